@@ -200,7 +200,7 @@ Result<fs::path> find_helper(const std::string& name) {
                 self.parent_path().string(),
                 name == "mien-media"
                     ? "build Mien with MIEN_MEDIA on; it needs Debian's libavformat-dev, libavcodec-dev, "
-                      "libswscale-dev and libespeak-ng-dev"
+                      "libswscale-dev, libswresample-dev and libespeak-ng-dev"
                     : "build Mien with MIEN_TRAIN on; it needs Debian's libtorch-dev");
   return path;
 }

@@ -10,6 +10,7 @@
 #include "app/child_program.h"
 #include "app/private_folder.h"
 #include "mien/core/files.h"
+#include "mien/face/livelink_csv.h"
 
 namespace mien::app {
 namespace fs = std::filesystem;
@@ -37,7 +38,22 @@ Result<void> finish_helper(Child& child, bool broke_off = false) {
   const bool incomplete = output.status == 127;
   return fail(bad_input ? ErrorCode::bad_usage : ErrorCode::io,
               said.empty() ? "it stopped without a word" : said, kHelper,
-              incomplete ? "install Debian's libavformat59, libswscale6, libespeak-ng1 and libflite1" : "");
+              incomplete
+                  ? "install Debian's libavformat59, libswscale6, libswresample4, libespeak-ng1 and libflite1"
+                  : "");
+}
+
+/// The line before what a helper writes, without its end.
+Result<std::string> read_head(Child& child) {
+  constexpr std::size_t kLongestHead = 100;
+  std::string head;
+  std::array<std::uint8_t, 1> one{};
+  while (head.size() < kLongestHead) {
+    MIEN_TRY_ASSIGN(const std::size_t got, child.receive(one));
+    if (got == 0 || one[0] == '\n') break;
+    head += static_cast<char>(one[0]);
+  }
+  return head;
 }
 
 }  // namespace
@@ -101,14 +117,7 @@ Result<FilmReader> FilmReader::start(const fs::path& film, int most_width, int m
       start_helper({"frames", "--most", fmt::format("{}x{}", most_width, most_height), "--", film.string()},
                    Child::Output::read));
   auto state = std::make_unique<State>(std::move(child));
-  std::string head;
-  std::array<std::uint8_t, 1> one{};
-  constexpr std::size_t kLongestHead = 100;
-  while (head.size() < kLongestHead) {
-    MIEN_TRY_ASSIGN(const std::size_t got, state->child.receive(one));
-    if (got == 0 || one[0] == '\n') break;
-    head += static_cast<char>(one[0]);
-  }
+  MIEN_TRY_ASSIGN(const std::string head, read_head(state->child));
   if (std::sscanf(head.c_str(), "grey %5dx%5d %12zu", &state->width, &state->height, &state->about) != 3 ||
       state->width < 1 || state->height < 1 || state->width > most_width || state->height > most_height) {
     MIEN_TRY(finish_helper(state->child, true));
@@ -134,6 +143,34 @@ Result<bool> FilmReader::next(std::span<std::uint8_t> grey) {
   if (got == grey.size()) return true;
   MIEN_TRY(finish_helper(state_->child, got > 0));
   return false;
+}
+
+Result<study::FilmSound> read_film_sound(const fs::path& film, int rate_hz) {
+  MIEN_TRY_ASSIGN(Child child, start_helper({"sound", "--rate", std::to_string(rate_hz), "--", film.string()},
+                                            Child::Output::read));
+  MIEN_TRY_ASSIGN(const std::string head, read_head(child));
+  int told_hz = 0;
+  std::array<char, 32> timecode{};
+  double timecode_hz = 0;
+  if (std::sscanf(head.c_str(), "sound %7d %31s %9lf", &told_hz, timecode.data(), &timecode_hz) != 3 ||
+      told_hz != rate_hz) {
+    MIEN_TRY(finish_helper(child, true));
+    return fail(ErrorCode::internal, "it tells no rate of the film's sound", kHelper);
+  }
+  study::FilmSound out;
+  out.sound.rate_hz = static_cast<std::uint32_t>(rate_hz);
+  if (const auto start = face::parse_timecode(timecode.data()); start && timecode_hz >= 1)
+    out.start_s = face::timecode_seconds(*start, static_cast<int>(timecode_hz));
+  std::vector<float> piece(std::size_t{1} << 16U);
+  for (std::size_t got = piece.size(); got == piece.size();) {
+    auto* const bytes = reinterpret_cast<std::uint8_t*>(piece.data());
+    MIEN_TRY_ASSIGN(const std::size_t size, child.receive({bytes, piece.size() * sizeof(float)}));
+    got = size / sizeof(float);
+    out.sound.samples.insert(out.sound.samples.end(), piece.begin(),
+                             piece.begin() + static_cast<std::ptrdiff_t>(got));
+  }
+  MIEN_TRY(finish_helper(child));
+  return out;
 }
 
 study::Speaker speaker_by_helper() {

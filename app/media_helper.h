@@ -11,6 +11,7 @@
 #include "mien/core/error.h"
 #include "mien/core/wav.h"
 #include "mien/render/image.h"
+#include "mien/study/sound_guess.h"
 #include "mien/study/speech/speaker.h"
 
 namespace mien::app {
@@ -60,6 +61,10 @@ class FilmReader {
   explicit FilmReader(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
+
+/// A film's sound, or a sound file's, which `mien-media` decodes. Errors: not_found (no helper), and what the
+/// helper says of the film.
+[[nodiscard]] Result<study::FilmSound> read_film_sound(const std::filesystem::path& film, int rate_hz);
 
 /// Who reads aloud by `mien-media speak`. Errors of what it returns: not_found (no helper), and what the
 /// helper says.

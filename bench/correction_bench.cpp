@@ -4,38 +4,49 @@
 #include <vector>
 
 #include "mien/core/sha256.h"
-#include "mien/tracker/answer_correction.h"
+#include "mien/model/causal_network.h"
+#include "mien/model/model_file.h"
+#include "mien/model/network_correction.h"
+#include "mien/tracker/causal_tracker.h"
 
 namespace {
 
 using namespace mien;
 
-// A wearer's correction of one frame: three moments of 53 answers onto 53.
+// One frame of the live network, as it is (0) and corrected for a wearer (1): what a correction costs is the
+// difference.
 void correction(benchmark::State& state) {
-  model::Correction made{.lags = {0, 3, 9}, .weights = {}};
-  for (std::size_t i = 0; i < face::kShapeCount * 3 * face::kShapeCount; ++i)
+  const auto file = model::read_model("models/live.safetensors");
+  if (!file) {
+    state.SkipWithError(file.error().message().c_str());
+    return;
+  }
+  const model::Architecture& a = file->architecture;
+  auto network = model::CausalNetwork::create(a, file->network, tracker::kLivePrecision).value();
+  model::Correction made{.network = model::correction_key(file->network), .weights = {}, .bias = {}};
+  for (std::size_t i = 0; i < a.outputs * a.d_model; ++i)
     made.weights.push_back(0.01F * static_cast<float>(std::sin(0.7 * static_cast<double>(i))));
-  const tracker::AnswerCorrection corrected(made);
-  tracker::AnswerCorrection::History history(corrected);
-  std::vector<face::BlendshapeWeights> frames(600);
-  for (std::size_t f = 0; f < frames.size(); ++f)
-    for (std::size_t k = 0; k < face::kShapeCount; ++k)
-      frames[f][k] = static_cast<float>(0.5 + 0.5 * std::sin(0.1 * static_cast<double>(f + 7 * k)));
+  made.bias.assign(a.outputs, 0.01F);
+  if (state.range(0) != 0) network.correct(&made);
+  model::CausalNetwork::State remembered(network);
+  std::vector<float> condition(a.condition), answer(a.outputs);
+  Sha256 hash;
   std::size_t f = 0;
   for (auto _ : state) {
-    face::BlendshapeWeights weights = frames[f];
-    corrected.apply(history, weights);
-    benchmark::DoNotOptimize(weights.values.data());
-    f = (f + 1) % frames.size();
+    for (std::size_t i = 0; i < condition.size(); i += 7)
+      condition[i] = static_cast<float>(std::sin(0.05 * static_cast<double>(f + i)));
+    network.step(condition, remembered, answer);
+    benchmark::DoNotOptimize(answer.data());
+    f = (f + 1) % 600;
   }
-  Sha256 hash;
-  history.reset();
-  for (face::BlendshapeWeights weights : frames) {
-    corrected.apply(history, weights);
-    for (const float weight : weights.values) hash.add_value(weight);
+  remembered.reset();
+  for (std::size_t frame = 0; frame < 60; ++frame) {
+    condition.assign(condition.size(), static_cast<float>(std::sin(0.05 * static_cast<double>(frame))));
+    network.step(condition, remembered, answer);
+    for (const float number : answer) hash.add_value(number);
   }
   state.SetLabel(hash.hex().substr(0, 16));
 }
-BENCHMARK(correction);
+BENCHMARK(correction)->Arg(0)->Arg(1);
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -234,13 +235,17 @@ Result<void> run_dataset_demo(const DemoOptions& options) {
                 {"poor", recorded.poor}});
   } else {
     fmt::print(
-        "Recorded {} lines{} into {}, with a phone's truth, sound and consent.\n"
+        "Recorded {} lines into {}, with a phone's truth, sound and consent.\n"
+        "{}"
         "Look at it:  mien dataset {}\n"
         "Train on it: mien train models/recipes/live_takes.toml --takes {} --from models/live.safetensors "
         "--out "
         "mine.safetensors\n",
-        recorded.lines, recorded.poor > 0 ? fmt::format(", {} of them poor,", recorded.poor) : "",
-        recorded.take.string(), recorded.dataset.string(), recorded.dataset.string());
+        recorded.lines, recorded.take.string(),
+        recorded.poor.empty()
+            ? ""
+            : fmt::format("Poor, and asked for again of a person: {}\n", fmt::join(recorded.poor, "; ")),
+        recorded.dataset.string(), recorded.dataset.string());
   }
   return {};
 }

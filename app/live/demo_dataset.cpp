@@ -1,6 +1,7 @@
 #include "app/live/demo_dataset.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <atomic>
 #include <chrono>
@@ -176,14 +177,15 @@ Result<void> record(Visitor& visitor, const DatasetDemo& demo, const std::string
 }
 
 Result<RecordedDemo> look_at(const std::filesystem::path& folder, const std::string& take_name) {
-  RecordedDemo out{.dataset = folder, .take = folder / take_name, .lines = 0, .poor = 0};
+  RecordedDemo out{.dataset = folder, .take = folder / take_name, .lines = 0, .poor = {}};
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(out.take));
   MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
   const std::optional<session::RecordedPart> part = session::recorded_part(events);
   if (!part) return fail(ErrorCode::internal, "the take has no consent", out.take.string());
   for (const session::RecordedLine* line : session::lines_that_count(*part)) {
     ++out.lines;
-    if (!line->poor.empty()) ++out.poor;
+    if (!line->poor.empty())
+      out.poor.push_back(fmt::format("{}: {}", line->name, fmt::join(line->poor, " ")));
   }
   return out;
 }

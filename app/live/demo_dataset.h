@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "mien/core/error.h"
 
@@ -21,8 +22,8 @@ struct DatasetDemo {
 struct RecordedDemo {
   std::filesystem::path dataset;  ///< Its folder.
   std::filesystem::path take;
-  std::size_t lines = 0;  ///< That were recorded, ...
-  std::size_t poor = 0;   ///< ... and of these poor ones.
+  std::size_t lines = 0;          ///< That were recorded.
+  std::vector<std::string> poor;  ///< Of these the poor ones, each with what was poor in it.
 };
 
 /// Records a dataset as a person does from the page, by its own protocol: a virtual performer wears sensors

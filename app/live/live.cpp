@@ -9,6 +9,7 @@
 #include "app/json_output.h"
 #include "app/live/live_command.h"
 #include "app/live/live_session.h"
+#include "app/live/phones_beside.h"
 #include "app/one_line.h"
 #include "mien/modalities/modalities.h"
 #include "mien/session/replay.h"
@@ -76,6 +77,9 @@ Result<void> run_live(LiveOptions options) {
   listener.told = [out](const std::string& news) {
     fmt::print(out, "{}\n", news);
     std::fflush(out);
+  };
+  listener.seen = [&listener, phones = PhonesBeside()](const live::Status& status) mutable {
+    for (const std::string& news : phones.tell(status.report)) listener.told(news);
   };
   MIEN_TRY_ASSIGN(const live::EngineSummary summary, session.engine->run(stop_asked(), listener));
   return print_closing(summary, options.json);

@@ -134,9 +134,9 @@ std::string camera_text(const live::CameraStatus& camera) {
   return text;
 }
 
-Result<void> no_frame_came(live::Unheard why) {
-  const auto failed = [](const char* what, const char* fix) {
-    return fail(ErrorCode::io, what, "no frame came", fix);
+Result<void> no_frame_came(live::Unheard why, const session::Report& report) {
+  const auto failed = [](std::string what, const char* fix) {
+    return fail(ErrorCode::io, std::move(what), "no frame came", fix);
   };
   switch (why) {
     case live::Unheard::silence:
@@ -149,8 +149,15 @@ Result<void> no_frame_came(live::Unheard why) {
       return failed("packets did that were not sealed with the session's key",
                     "pair the devices with it, or leave --key out");
     case live::Unheard::not_opened:
-      return failed("packets did that are sealed with a key, or newer than this program",
-                    "give the devices' key with --key, or update the program");
+      return failed("packets did that are sealed with a key", "give the devices' key with --key");
+    case live::Unheard::other_version: {
+      std::string versions;
+      for (const session::Report::UnknownVersion& packets : report.unknown_versions)
+        versions +=
+            fmt::format("{}{} version {}", versions.empty() ? "" : ", ", packets.protocol, packets.version);
+      return failed("packets did of versions that this program does not know: " + versions,
+                    "update this program, or what sends there");
+    }
     case live::Unheard::unreadable:
       return failed("packets did, but none that could be read",
                     "see that what sends there is a device that docs/guide/devices.md names");
@@ -299,8 +306,10 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
   if (!summary.recording_error.empty())
     return fail(ErrorCode::io, summary.recording_error, summary.take ? summary.take->string() : "recording");
   if (summary.frames > 0) return {};
-  return no_frame_came(live::why_unheard(
-      {summary.datagrams, summary.network.elsewhere, summary.network.sealed}, summary.report));
+  return no_frame_came(
+      live::why_unheard({summary.datagrams, summary.network.elsewhere, summary.network.sealed},
+                        summary.report),
+      summary.report);
 }
 
 }  // namespace mien::app

@@ -19,6 +19,7 @@
 #include <cstdint>
 
 #include "mien/core/host_port.h"
+#include "mien/face/ifacialmocap_request.h"
 #include "mien/live/name_lookup.h"
 #include "mien/phone/ifacialmocap_protocol.h"
 #include "mien/phone/live_link_protocol.h"
@@ -40,6 +41,8 @@ constexpr auto kAsksAgain = std::chrono::seconds(2);
 constexpr int kMostTold = 16;
 /// So many questions in a row that met no trouble end one that there was.
 constexpr int kUnhindered = 3;
+/// Who takes so many questions in a row and sends nothing is told of.
+constexpr int kUnanswered = 3;
 
 /// Asks one phone for its frames, again and again.
 class Asker {
@@ -62,6 +65,7 @@ class Asker {
       if (!code && found == answer.found.end()) code = asio::error::host_not_found;
       if (!code) send(udp::endpoint(found->address(), port_), code);
       tell(code);
+      tell_of_answers();
       timer_.expires_after(kAsksAgain);
       timer_.async_wait([this](boost::system::error_code over) {
         if (!over) ask();
@@ -81,17 +85,20 @@ class Asker {
     // Connected, so that it is heard when the phone refuses, or nobody has its address.
     if (!code && phone != asked_) {
       socket_.connect(phone, code);
-      if (!code) asked_ = phone;
+      if (!code) {
+        asked_ = phone;
+        session_.await(phone.address().to_string());
+      }
     }
     if (code) return;
-    socket_.send(asio::buffer(phone::kIFacialMocapRequest), 0, code);
+    socket_.send(asio::buffer(request_), 0, code);
     if (!code) return;
     // What was told of the last time kept this one from being sent, and stays until it is read.
     std::array<std::byte, 512> told{};
     for (int i = 0; i < kMostTold; ++i)
       if (::recv(socket_.native_handle(), told.data(), told.size(), MSG_ERRQUEUE | MSG_DONTWAIT) < 0) break;
     boost::system::error_code again;
-    socket_.send(asio::buffer(phone::kIFacialMocapRequest), 0, again);
+    socket_.send(asio::buffer(request_), 0, again);
   }
 
   /// Says what stands against asking, and that nothing does any more.
@@ -103,6 +110,24 @@ class Asker {
     session_.tell(
         code ? "phone_unreachable" : "phone_asked",
         code ? fmt::format("{} cannot be asked: {}", address_, why(code)) : address_ + " is asked again");
+  }
+
+  /// Says that a phone which takes the questions sends nothing, and that it does after all.
+  void tell_of_answers() {
+    if (trouble_) {  // Of which is told.
+      unanswered_ = 0;
+      mute_ = false;
+    } else if (session_.answered()) {
+      unanswered_ = 0;
+      if (std::exchange(mute_, false)) session_.tell("phone_answers", address_ + " sends its frames");
+    } else if (++unanswered_ == kUnanswered) {
+      mute_ = true;
+      session_.tell("phone_missing",
+                    fmt::format("{} was asked {} times and no frame comes from it: open iFacialMocap on the "
+                                "phone and leave it in front, with the phone on this machine's network; a "
+                                "firewall here has to let UDP {} in",
+                                address_, unanswered_, face::kIFacialMocapPort));
+    }
   }
 
   static std::string why(boost::system::error_code code) {
@@ -118,6 +143,7 @@ class Asker {
   std::string host_;
   std::uint16_t port_;
   std::string address_;
+  std::string request_ = face::ifacialmocap_request();
   live::FeedPort& session_;
   asio::io_context network_{1};
   // A name may be looked up for longer than anything else here waits.
@@ -127,7 +153,9 @@ class Asker {
   asio::steady_timer timer_{network_};
   udp::endpoint asked_;
   boost::system::error_code trouble_;
-  int unhindered_ = 0;  // How often it was asked since without trouble.
+  int unhindered_ = 0;  // How often it was asked since without trouble, ...
+  int unanswered_ = 0;  // ... and since anything came of it.
+  bool mute_ = false;   // So it was said.
 };
 
 }  // namespace
@@ -166,12 +194,12 @@ Result<ListenedPhones> listened_phones(const std::vector<std::string>& listen) {
     }
     if (parsed->host.empty()) return bad("no host");
     if (parsed->host.find(':') != std::string_view::npos) return bad("IPv6, in which phones do not answer");
-    if (asked == 0) out.ports.push_back(fmt::format("udp://0.0.0.0:{}", phone::kIFacialMocapPort));
+    if (asked == 0) out.ports.push_back(fmt::format("udp://0.0.0.0:{}", face::kIFacialMocapPort));
     out.devices.push_back({phone::kIFacialMocapDevice + asked++, 0});
     out.asked.push_back(text);
     out.feeds.push_back(
         {.name = text,
-         .run = [host = std::string(parsed->host), port = parsed->port.value_or(phone::kIFacialMocapPort),
+         .run = [host = std::string(parsed->host), port = parsed->port.value_or(face::kIFacialMocapPort),
                  text](live::FeedPort& session) { Asker(host, port, text, session).run(); },
          .heard = false});
   }

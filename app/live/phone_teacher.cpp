@@ -59,7 +59,7 @@ Result<live::TaughtByPhone> learn(const std::filesystem::path& path, const std::
   if (std::vector<float> skin = skin_in(versions); file.skin && skin.size() == file.skin->standard.size())
     file.skin->wearer = std::move(skin);
   MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(face_name));
-  MIEN_TRY_ASSIGN(const study::PhoneLesson lesson,
+  MIEN_TRY_ASSIGN(const study::LearntFromPhone lesson,
                   study::learn_from_phone(take, features, track, face, file, progress));
   if (!lesson.learnt.taken)
     return fail(

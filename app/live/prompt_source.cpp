@@ -68,7 +68,7 @@ Result<session::PromptScript> load_prompts(const std::string& what) {
   if (!is_name || std::filesystem::exists(what, ignored)) return session::read_prompts(what);
   const auto shipped = find_resource("prompts/" + what + ".toml");
   if (!shipped)
-    return fail(ErrorCode::not_found, "there are no such prompts", "--prompts " + what,
+    return fail(ErrorCode::not_found, "there are no such prompts", what,
                 "give a file, one_minute, or components:600");
   return session::read_prompts(*shipped);
 }

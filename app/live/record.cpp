@@ -11,6 +11,7 @@
 #include "app/command.h"
 #include "app/live/live_command.h"
 #include "app/live/live_session.h"
+#include "app/live/phones_beside.h"
 #include "app/live/prompt_source.h"
 
 namespace mien::app {
@@ -93,7 +94,10 @@ Result<void> run_record(RecordOptions options) {
     fmt::print(out, "{}\n", news);
     std::fflush(out);
   };
-  listener.seen = [&line](const live::Status& status) { line.show(status); };
+  listener.seen = [&line, &listener, phones = PhonesBeside()](const live::Status& status) mutable {
+    for (const std::string& news : phones.tell(status.report)) listener.told(news);
+    line.show(status);
+  };
   MIEN_TRY_ASSIGN(const live::EngineSummary summary, session.engine->run(stop_asked(), listener));
   clear_progress();
   return print_closing(summary, options.json);

@@ -53,7 +53,14 @@ struct Pose {
   face::BlendshapeWeights target;
 };
 
-/// Lays the pose over what the face does.
+/// What a face that is posed does all the same: it blinks and looks about.
+bool is_spontaneous(std::size_t shape) {
+  const std::string_view name = face::kShapeNames[shape];
+  return name.starts_with("eyeBlink") || name.starts_with("eyeLook");
+}
+
+/// Leads the face from what it does to the pose, and back: asked for none, it is neutral, which is not how
+/// people rest.
 void make(const Pose& pose, face::Motion& motion) {
   for (face::MotionFrame& frame : motion.frames) {
     const double since = frame.time_s - pose.begin_s - kReactionS, left = pose.end_s - frame.time_s;
@@ -61,7 +68,8 @@ void make(const Pose& pose, face::Motion& motion) {
     if (share <= 0) continue;
     const auto eased = static_cast<float>(share * share * (3 - 2 * share));
     for (std::size_t k = 0; k < face::kShapeCount; ++k)
-      frame.weights[k] = std::max(frame.weights[k], eased * pose.target[k]);
+      frame.weights[k] = is_spontaneous(k) ? std::max(frame.weights[k], eased * pose.target[k])
+                                           : frame.weights[k] + eased * (pose.target[k] - frame.weights[k]);
   }
 }
 

@@ -16,6 +16,7 @@
 #include "mien/core/files.h"
 #include "mien/core/wav.h"
 #include "mien/study/media/festival_speech.h"
+#include "mien/study/media/sound_reader.h"
 #include "mien/study/media/speech_synthesis.h"
 #include "mien/study/media/video_reader.h"
 #include "mien/study/media/video_writer.h"
@@ -108,6 +109,29 @@ Result<void> run_frames(const FramesCommand& command) {
   return {};
 }
 
+struct SoundCommand {
+  std::string film;
+  int rate_hz = 16'000;
+};
+
+Result<void> run_sound(const SoundCommand& command) {
+  catch_signals();
+  MIEN_TRY_ASSIGN(auto film, media::SoundReader::open(command.film, command.rate_hz));
+  const auto& start = film.start();
+  const std::string head =
+      fmt::format("sound {} {} {}\n", command.rate_hz, start ? face::format_timecode(start->timecode) : "-",
+                  start ? start->rate_hz : 0);
+  MIEN_TRY(write_out({reinterpret_cast<const std::uint8_t*>(head.data()), head.size()}));
+  for (;;) {
+    if (stop_asked != 0) return fail(ErrorCode::cancelled, "stopped", command.film);
+    MIEN_TRY_ASSIGN(const auto samples, film.next());
+    if (!samples) break;
+    MIEN_TRY(write_out({reinterpret_cast<const std::uint8_t*>(samples->data()), samples->size_bytes()}));
+  }
+  if (std::fflush(stdout) != 0) return fail(ErrorCode::io, std::strerror(errno), "standard output");
+  return {};
+}
+
 struct SpeakCommand {
   std::string language = "en-us", text, json, wav;
   int words_per_minute = 175;
@@ -185,6 +209,18 @@ int main(int argc, char** argv) {
   frames_command.add_option("film", frames.film, "The film").required();
   frames_command.add_option("--most", frames.most, "Width x height beyond which pictures are made smaller")
       .show_default();
+
+  SoundCommand sound;
+  const app::Command sound_command =
+      commands.add("sound",
+                   "Writes a film's sound to standard output: a line 'sound RATE TIMECODE RATE_OF_THAT' (- "
+                   "and 0 where the "
+                   "film has none), then one channel of 32-bit floats of this machine's byte order, from its "
+                   "first picture "
+                   "on",
+                   "mien-media sound face.mov > face.f32", [&] { return run_sound(sound); });
+  sound_command.add_option("film", sound.film, "The film, or a sound: M4A, WAV").required();
+  sound_command.add_option("--rate", sound.rate_hz, "Samples a second").show_default();
 
   SpeakCommand speak;
   const app::Command speak_command =

@@ -1,11 +1,15 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+
+#include <cmath>
 #include <memory>
 #include <utility>
 
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/performance.h"
+#include "app/study/film_option.h"
 #include "app/study/phone_option.h"
 #include "app/write_motion.h"
 #include "mien/study/phone_truth.h"
@@ -17,7 +21,9 @@ namespace {
 
 struct AlignOptions {
   std::string take, phone, out;
+  FilmOption film;
   bool raw = false;
+  bool force = false;
   bool json = false;
 };
 
@@ -26,6 +32,8 @@ std::pair<const char*, const char*> named(study::FirstGuess guess) {
   switch (guess) {
     case study::FirstGuess::arrivals:
       return {"arrivals", "when both arrived"};
+    case study::FirstGuess::sound:
+      return {"sound", "what both heard"};
     case study::FirstGuess::taps:
       return {"taps", "three taps that both saw"};
     case study::FirstGuess::none:
@@ -45,10 +53,35 @@ void print(const study::PhoneTruth& truth, const study::PhoneTrack& track) {
       at.agreement, phone::kLeastAgreement, at.overlap_s,
       track.left_out_s > 0 ? fmt::format("; {:.1f} s left out, the phone's clock jumped", track.left_out_s)
                            : "");
+  if (track.sound) {
+    const study::SoundGuess& sound = *track.sound;
+    fmt::print(
+        "sound      {:.1f} ms, drift {:+.1f} ppm; {:.1f} times as alike as at any other offset, and {:.0f} % "
+        "of its blocks agree\n"
+        "           film and file begin together {}, to {:.0f} ms; the motion is {:.1f} ms {} than the "
+        "sound\n",
+        1e3 * sound.at.offset_s, sound.at.drift_ppm, sound.at.score, 100 * sound.at.agreeing,
+        sound.by_timecode ? "by their time codes" : "by assumption", 1e3 * sound.begin_sigma_s,
+        1e3 * std::abs(*truth.after_sound_s), *truth.after_sound_s < 0 ? "earlier" : "later");
+  }
   fmt::print("\n{:>8}{:>8}{:>12}{:>8}{:>11}\n", "from s", "to s", "off by ms", "+- ms", "agreement");
   for (const phone::AlignmentBlock& block : at.blocks)
     fmt::print("{:8.1f}{:8.1f}{:12.1f}{:8.1f}{:11.2f}\n", block.begin_s, block.end_s, 1e3 * block.residual_s,
                1e3 * block.sigma_s, block.agreement);
+}
+
+Json sound_json(const study::PhoneTruth& truth, const study::PhoneTrack& track) {
+  if (!track.sound) return {};
+  const study::SoundGuess& sound = *track.sound;
+  return {{"offset_ms", 1e3 * sound.at.offset_s},
+          {"offset_sigma_ms", 1e3 * sound.at.offset_sigma_s},
+          {"drift_ppm", sound.at.drift_ppm},
+          {"score", sound.at.score},
+          {"agreeing", sound.at.agreeing},
+          {"overlap_s", sound.at.overlap_s},
+          {"by_timecode", sound.by_timecode},
+          {"begin_sigma_ms", 1e3 * sound.begin_sigma_s},
+          {"motion_after_sound_ms", 1e3 * *truth.after_sound_s}};
 }
 
 Json alignment_json(const AlignOptions& options, const study::PhoneTruth& truth,
@@ -64,6 +97,7 @@ Json alignment_json(const AlignOptions& options, const study::PhoneTruth& truth,
   return {{"take", options.take},
           {"phone", options.phone.empty() ? Json() : Json(options.phone)},
           {"first_guess", named(truth.guess).first},
+          {"sound", sound_json(truth, track)},
           {"middle_s", at.middle_s},
           {"offset_ms", 1e3 * at.offset_s},
           {"offset_sigma_ms", 1e3 * at.offset_sigma_s},
@@ -76,12 +110,18 @@ Json alignment_json(const AlignOptions& options, const study::PhoneTruth& truth,
 }
 
 Result<void> run_align(const AlignOptions& options) {
-  if (!options.out.empty()) MIEN_TRY(check_output(options.out, {".csv"}));
+  if (!options.out.empty()) {
+    MIEN_TRY(check_output(options.out, {".csv"}));
+    // What a phone recorded cannot be had again.
+    std::error_code ignored;
+    if (!options.force && std::filesystem::exists(options.out, ignored))
+      return fail(ErrorCode::bad_usage, "it exists already", options.out, "use --force to replace it");
+  }
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
   MIEN_TRY(check_aligns(take));
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, study::take_features(take));
-  MIEN_TRY_ASSIGN(const study::PhoneTrack track,
-                  open_phone_track(take, features, options.phone, options.raw));
+  MIEN_TRY_ASSIGN(study::PhoneTrack track, open_phone_track(take, features, options.phone, options.raw));
+  MIEN_TRY(add_sound_guess(take, features, options.phone, options.film, track));
   MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
   MIEN_TRY_ASSIGN(const study::PhoneTruth truth, study::phone_truth(events, features, track));
   if (!options.out.empty())
@@ -109,8 +149,10 @@ void add_align_command(Commands& commands) {
   command.add_option(
       "--out", options->out,
       "Write what the phone told at the take's frames, less its neutral face: .csv (Live Link Face)");
+  command.add_flag("--force", options->force, "Replace --out where it exists");
   command.add_flag("--raw", options->raw,
                    "Read the phone's file as named, even where a calibrated NAME_cal.csv lies beside it");
+  add_film_options(command, options->film);
   command.add_flag("--json", options->json, "Print one JSON object");
 }
 

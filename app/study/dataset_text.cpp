@@ -83,6 +83,19 @@ void print_takes(const RecordedDataset& dataset) {
   }
 }
 
+/// Those of takes that are left out too: they are of somebody's face, whatever becomes of the take.
+void print_videos(const RecordedDataset& dataset) {
+  bool first = true;
+  const auto print = [&first](const std::vector<study::TakeVideo>& videos) {
+    for (const study::TakeVideo& video : videos) {
+      if (std::exchange(first, false)) fmt::print("\n{:<40}{:>8}\n", "video beside the takes", "MB");
+      fmt::print("{:<40}{:>8.1f}\n", one_line(video.file, 39), static_cast<double>(video.bytes) / 1e6);
+    }
+  };
+  for (const TakeOverview& take : dataset.takes) print(take.videos);
+  for (const study::LeftOutTake& take : dataset.left_out) print(take.videos);
+}
+
 void print_labels(std::string_view kind, const LabelAmounts& amounts) {
   constexpr std::size_t kLabelsShown = 40;
   if (amounts.empty()) return;
@@ -158,6 +171,12 @@ Json json_of_shapes(const std::array<study::ShapeRange, face::kShapeCount>& rang
   return json;
 }
 
+Json json_of_videos(const std::vector<study::TakeVideo>& videos) {
+  Json json = Json::array();
+  for (const study::TakeVideo& video : videos) json.push_back({{"file", video.file}, {"bytes", video.bytes}});
+  return json;
+}
+
 Json json_of_take(const TakeOverview& take) {
   Json json;
   json["file"] = take.path.filename().string();
@@ -167,8 +186,10 @@ Json json_of_take(const TakeOverview& take) {
   json["created_utc"] = take.created_utc;
   json["consent"] = take.consent ? Json{{"recorded_by", take.consent->recorded_by},
                                         {"purpose", take.consent->purpose},
-                                        {"sound", take.consent->sound}}
+                                        {"sound", take.consent->sound},
+                                        {"video", take.consent->video}}
                                  : Json();
+  json["videos"] = json_of_videos(take.videos);
   json["truth"] = take.sync ? "phone" : "own";
   json["sync"] = Json();
   if (take.sync) {
@@ -201,6 +222,7 @@ void print_dataset(const RecordedDataset& dataset) {
     print_shapes(dataset);
   }
   print_left_out(dataset, totals.seconds);
+  print_videos(dataset);
 }
 
 Json json_of(const RecordedDataset& dataset) {
@@ -221,7 +243,8 @@ Json json_of(const RecordedDataset& dataset) {
   for (const study::LeftOutTake& take : dataset.left_out)
     json["left_out"].push_back({{"file", take.path.filename().string()},
                                 {"performer", take.performer.empty() ? Json() : Json(take.performer)},
-                                {"why", take.why}});
+                                {"why", take.why},
+                                {"videos", json_of_videos(take.videos)}});
   return json;
 }
 

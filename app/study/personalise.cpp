@@ -7,10 +7,12 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/study/film_option.h"
 #include "app/study/phone_option.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/time.h"
 #include "mien/model/model_file.h"
+#include "mien/sensor/rig_part.h"
 #include "mien/study/imu/trace_features.h"
 #include "mien/study/learn_from_phone.h"
 #include "mien/study/prompted.h"
@@ -20,12 +22,15 @@
 namespace mien::app {
 namespace {
 
+/// Shorter takes made some virtual strangers worse (docs/experiments/phone_truth.md), s.
+constexpr double kSafe_s = 60;
 /// The truth that the take itself holds.
 constexpr std::string_view kPhone = "phone";
 
 struct PersonaliseOptions {
   std::string take, model, out;
   std::string truth;  // "phone", or a file; empty: prompts.
+  FilmOption film;
   bool raw = false;
   bool force = false;
   bool json = false;
@@ -34,9 +39,9 @@ struct PersonaliseOptions {
 /// From what a phone told.
 Result<void> learn_by_phone(const PersonaliseOptions& options, const take::Take& take,
                             const std::vector<model::FeatureFrame>& features, model::ModelFile file) {
-  MIEN_TRY_ASSIGN(
-      const study::PhoneTrack track,
-      open_phone_track(take, features, options.truth == kPhone ? "" : options.truth, options.raw));
+  const std::string csv = options.truth == kPhone ? "" : options.truth;
+  MIEN_TRY_ASSIGN(study::PhoneTrack track, open_phone_track(take, features, csv, options.raw));
+  MIEN_TRY(add_sound_guess(take, features, csv, options.film, track));
   MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(take.header().face));
   auto made = study::learn_from_phone(take, features, track, face, file, terminal_progress("personalise"));
   if (!made) {
@@ -73,16 +78,21 @@ Result<void> learn_by_phone(const PersonaliseOptions& options, const take::Take&
         "{} of {} shapes are corrected; squared error where it was held out {:.4f}, before {:.4f}; of the "
         "skin {:.2f} "
         "mm, before {:.2f}\n"
-        "wrote {}; use it with --model\n",
+        "wrote {}; use it with --model\n"
+        "{}",
         seconds, 1e3 * made->alignment.offset_s, 1e3 * made->alignment.offset_sigma_s,
         made->alignment.agreement, learnt.shapes, face::kShapeCount, learnt.mse_after, learnt.mse_before,
-        learnt.skin_after_mm, learnt.skin_before_mm, options.out);
+        learnt.skin_after_mm, learnt.skin_before_mm, options.out,
+        seconds < kSafe_s ? "That is a short take: what was held out is of the same mood as what was learnt, "
+                            "and other moods may become worse; two minutes are safer.\n"
+                          : "");
   return {};
 }
 
 Result<void> run_personalise(PersonaliseOptions options) {
   MIEN_TRY(check_output(options.out, {".safetensors"}));
-  if (!options.force && std::filesystem::exists(options.out))
+  std::error_code ignored;
+  if (!options.force && std::filesystem::exists(options.out, ignored))
     return fail(ErrorCode::bad_usage, "it exists already", options.out, "use --force to replace it");
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
   if (study::traced_sensor_names(take.rig()).empty())
@@ -95,6 +105,8 @@ Result<void> run_personalise(PersonaliseOptions options) {
   auto made = study::personalise_on(take, features, file);
   if (!made) {
     made.error().where = options.take;
+    if (made.error().code == ErrorCode::not_found && !sensor::truths_of(take.rig()).empty())
+      made.error().fix = "a phone looked on: learn from it with --truth phone";
     return std::unexpected(std::move(made).error());
   }
   const tracker::Personalisation& learnt = *made;
@@ -144,6 +156,8 @@ void add_personalise_command(Commands& commands) {
                      "a phone does");
   command.add_flag("--raw", options->raw,
                    "Read the phone's file as named, even where a calibrated NAME_cal.csv lies beside it");
+  add_film_options(command, options->film);
+  (void)command.option("--film").needs(command.option("--truth"));
   command.add_flag("--force", options->force, "Replace an existing model");
   command.add_flag("--json", options->json, "Print one JSON object");
 }

@@ -148,11 +148,6 @@ Result<Header> parse_header(std::string_view line, std::string_view name,
   return header;
 }
 
-double seconds(const Timecode& t, int base) {
-  const std::int64_t whole = (std::int64_t{t.hour} * 60 + t.minute) * 60 + t.second;
-  return static_cast<double>(whole * base * 1000 + t.frame_milli) / (base * 1000.0);
-}
-
 /// Indices of the longest strictly rising run of `time_s`, in order (patience sorting, O(n log n)).
 std::vector<std::size_t> longest_rising(const std::vector<double>& time_s) {
   constexpr auto kNone = static_cast<std::size_t>(-1);
@@ -200,6 +195,11 @@ Result<Timecode> parse_timecode(std::string_view text) {
 std::string format_timecode(const Timecode& t) {
   return fmt::format("{:02}:{:02}:{:02}:{:02}.{:03}", t.hour, t.minute, t.second, t.frame_milli / 1000,
                      t.frame_milli % 1000);
+}
+
+double timecode_seconds(const Timecode& t, int base) {
+  const std::int64_t whole = (std::int64_t{t.hour} * 60 + t.minute) * 60 + t.second;
+  return static_cast<double>(whole * base * 1000 + t.frame_milli) / (base * 1000.0);
 }
 
 Timecode timecode_at(double time_s) {
@@ -330,12 +330,13 @@ LiveLinkMotion motion_from_livelink(const LiveLinkCsv& csv, std::string name) {
   for (std::size_t i = 0; i < csv.rows.size(); ++i) {
     const Timecode& now = csv.rows[i].timecode;
     if (i > 0 && csv.rows[i - 1].timecode.hour == 23 && now.hour == 0) days += kDay;
-    time_s.push_back(days + seconds(now, base));
+    time_s.push_back(days + timecode_seconds(now, base));
   }
   const auto kept = longest_rising(time_s);
   if (kept.size() < csv.rows.size())
     result.warnings.push_back(
         fmt::format("{} rows with doubled or falling time codes are dropped", csv.rows.size() - kept.size()));
+  result.start_s = time_s[kept.front()];
   std::vector<double> steps;
   for (const std::size_t i : kept) {
     const LiveLinkRow& row = csv.rows[i];

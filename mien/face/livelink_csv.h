@@ -28,6 +28,8 @@ struct Timecode {
 [[nodiscard]] Result<Timecode> parse_timecode(std::string_view text);
 /// "00:32:09:07.867".
 [[nodiscard]] std::string format_timecode(const Timecode& timecode);
+/// How long after 00:00:00:00 that is, s, where so many frames are a second.
+[[nodiscard]] double timecode_seconds(const Timecode& timecode, int base);
 /// The time code of a moment `time_s` after 00:00:00:00.000, with base 60; rounded once, to a thousandth of a
 /// frame. Before 0 is 0; after 100 hours it begins anew.
 [[nodiscard]] Timecode timecode_at(double time_s);
@@ -74,6 +76,7 @@ void append_livelink_row(std::string_view timecode, std::span<const double> valu
 
 struct LiveLinkMotion {
   Motion motion;
+  double start_s = 0;                 ///< The first row's time code, s after 00:00:00:00.
   double rate_hz = 0;                 ///< 1 / the median step; 0 with fewer than two rows.
   std::vector<std::string> warnings;  ///< The recording's own, and how many rows were dropped.
 };

@@ -211,23 +211,36 @@ Result<void> ImuTracker::restore(std::string_view json) {
   // Of a model whose answers are corrected nobody can tell whether it takes a skin.
   use({.slopes = wearer_.slopes, .correction = {}, .score = {}});
   Wearer wearer{.slopes = calibration.wearer, .correction = calibration.correction, .score = {}};
-  if (!model_->corrects()) wearer.correction.reset();
+  if (wearer.correction && !model_->check_correction(*wearer.correction)) {
+    // The rest of the calibration is valid.
+    wearer.correction.reset();
+    wearer.score = sensor::Score{.name = "phone",
+                                 .value = 0,
+                                 .unit = "",
+                                 .pass = false,
+                                 .sentence = "a phone taught another model; let it teach this one"};
+  }
   const model::ModelFile* file = model_->personal();
   if (!wearer.slopes.empty() && (file == nullptr || file->skin->standard.size() != wearer.slopes.size())) {
     // The rest of the calibration is valid.
     wearer.slopes.clear();
-    wearer.score = sensor::Score{.name = "wearer",
-                                 .value = 0,
-                                 .unit = "nats",
-                                 .pass = false,
-                                 .sentence = "your skin was learnt for another model; let this one learn it"};
+    // Both of another model: whoever lets this one learn the skin does the phone after it.
+    wearer.score =
+        sensor::Score{.name = "wearer",
+                      .value = 0,
+                      .unit = "nats",
+                      .pass = false,
+                      .sentence = calibration.correction && !wearer.correction
+                                      ? "your skin and a phone's lesson are of another model; let "
+                                        "this one learn the skin, then the phone's"
+                                      : "your skin was learnt for another model; let this one learn it"};
   }
   use(std::move(wearer));
   return {};
 }
 
 Result<void> ImuTracker::correct(const model::Correction& correction) {
-  if (!model_->corrects()) return Tracker::correct(correction);
+  MIEN_TRY(model_->check_correction(correction));
   if (!pipeline_.calibration().complete)
     return fail(ErrorCode::not_found, "nothing is calibrated yet", "session", "calibrate first");
   Wearer wearer = wearer_;

@@ -30,7 +30,8 @@ Result<DatasetWish> dataset_wish(const json& begin) {
                    .consent = {.performer = text_field(begin, "performer"),
                                .recorded_by = text_field(begin, "recorded_by"),
                                .purpose = text_field(begin, "purpose"),
-                               .sound = flag_field(begin, "sound")},
+                               .sound = flag_field(begin, "sound"),
+                               .video = flag_field(begin, "video")},
                    .by_voice = text_field(begin, "pace") == "voice"};
   return wish;
 }

@@ -117,6 +117,9 @@ void Engine::State::on_beat() {
   for (const RecordingNews::Sentence& news : recording_news.tell(recorder.state()))
     tell(news.kind, news.text);
   for (const CameraNews::Sentence& news : line_news.tell(now(), intake.lines())) tell(news.kind, news.text);
+  intake.fast_senders(fast_senders);
+  for (const FastSenderNews::Sentence& news : fast_sender_news.tell(now(), fast_senders))
+    tell(news.kind, news.text);
   for (Outlet& outlet : outlets) {
     const sink::Status state = outlet.sink->status();
     // A receiver that is there and not there by turns is told of once.
@@ -129,7 +132,7 @@ void Engine::State::on_beat() {
     if (const session::Report report = loop.report(); report.frames == 0) {
       const Intake::Counts counts = intake.counts();
       tell("nothing_heard",
-           unheard_text(why_unheard({counts.received, counts.elsewhere, settings.sealed}, report)));
+           unheard_text(why_unheard({counts.received, counts.elsewhere, settings.sealed}, report), report));
     }
   }
   if (!told_uncalibrated) {
@@ -140,6 +143,7 @@ void Engine::State::on_beat() {
            "nothing is calibrated yet, so the face stays neutral: " + report.calibration.prompt);
   }
   const session::Report report = loop.report();
+  look_at_video();
   follow_recordings(recorder.state(), report);
   hearing.look(report.hearing ? std::optional(report.hearing->on) : std::nullopt, page.get());
   // A take's face has no part in what cameras see now.
@@ -176,6 +180,7 @@ Status Engine::State::status() const {
   out.network = network_state();
   out.recording = recorder.state();
   out.dataset = dataset.state();
+  out.video = video.state();
   out.lesson = lesson.state();
   if (out.recording.on) out.recording_ends_s = settings.seconds;
   std::error_code ignored;
@@ -256,7 +261,7 @@ Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
       state->on_message(client, text);
     };
     const auto bytes = [state](std::uint64_t client, std::span<const std::byte> sent) {
-      state->hearing.take(client, sent);
+      state->on_bytes(client, sent);
     };
     MIEN_TRY_ASSIGN(state->page,
                     PageServer::open(state->network, *state->settings.page, hello, message, bytes));
@@ -302,6 +307,8 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   });
   s.network.run();
   s.hearing.end();
+  s.video.close(s.now());
+  s.look_at_video();
   s.loop.stop();
   s.take_answers();
   s.wake.release();

@@ -101,7 +101,7 @@ struct EngineListener {
 };
 
 /// A live session on the machine's clock: one event loop for everything of the network, a thread for the
-/// tracker, one for the take.
+/// tracker, one for the take, one for the video beside it.
 class Engine {
  public:
   /// Opens every port, sink and take. Errors: theirs.

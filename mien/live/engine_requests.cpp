@@ -20,6 +20,8 @@ using nlohmann::json;
 
 /// Half a frame: none of a take that is played is shown late by more.
 constexpr auto kPlayStep = std::chrono::milliseconds(8);
+/// The end of a recording waits for that of its video so long.
+constexpr Duration kLongestEnd = VideoRecording::kLastChunk + std::chrono::seconds(1);
 
 /// Names of files need not be UTF-8.
 std::string dumped(const json& object) {
@@ -64,6 +66,8 @@ void Engine::State::answer(std::uint64_t client, std::string_view text) {
   }
   const std::int64_t number =
       command.contains("id") && command["id"].is_number_integer() ? command["id"].get<std::int64_t>() : 0;
+  // Whatever was agreed to otherwise or no more: of video, it was the recording's own consent.
+  if (command["command"] == "consent_over" || command["command"] == "consent") video.finish(now());
   if (session::is_session_command(command["command"].get<std::string>())) {
     if (!intake.command(client, number, text))
       page->send(client, reply_json(number, "the session is busy; try again"));
@@ -89,6 +93,7 @@ Result<std::string> Engine::State::execute(std::uint64_t client, const json& com
     MIEN_TRY(hearing.microphone(client, on, *page));
     return std::string();
   }
+  if (name == "video") return execute_video(client, command);
   if (name == "pictures") {
     MIEN_TRY_ASSIGN(const bool on, switch_field(command, name));
     MIEN_TRY_ASSIGN(const bool first, pictures.show(client, on));
@@ -104,7 +109,7 @@ Result<std::string> Engine::State::execute(std::uint64_t client, const json& com
 Result<std::string> Engine::State::execute_record(const json& command) {
   MIEN_TRY_ASSIGN(const bool on, switch_field(command, "record"));
   if (!on) {
-    recorder.end(notes());
+    end_recording();
     return std::string();
   }
   MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, text_field(command, "name")));
@@ -172,6 +177,7 @@ Result<std::string> Engine::State::begin_dataset(const DatasetPlan& plan) {
     return fail(ErrorCode::out_of_range, "the session is too busy to take the script", "dataset",
                 "try again");
   }
+  if (plan.wish.consent.video) video.allow(plan.take);
   return dumped(json({{"take", plan.take.string()}, {"lines", plan.prompts.size()}, {"done", plan.done}}));
 }
 
@@ -190,8 +196,17 @@ void Engine::State::follow_recordings(const Recorder::State& recording, const se
   const std::string& prompts = report.prompts.state;
   const DatasetRecording::Next next = dataset.look(recording, prompts);
   const PhoneLesson::Next after = lesson.look(recording, prompts);
-  if (next.end_recording || after.end_recording) recorder.end(notes());
-  std::vector<session::Command> commands = next.commands;
+  if (dataset.state() && dataset.state()->over) video.finish(now());
+  if (next.end_recording || after.end_recording) end_recording();
+  // A disk that is slow with the video, or fails with the take, keeps nobody from the next recording.
+  if (ending && (!recording.on || video.is_over() || now() - *ending >= kLongestEnd)) {
+    ending.reset();
+    if (recording.on) recorder.end(notes());
+  }
+  // What is heard again after the recording is not heard before its take is closed.
+  held.insert(held.end(), next.commands.begin(), next.commands.end());
+  std::vector<session::Command> commands;
+  if (!ending) commands = std::exchange(held, {});
   using session::Prompting;
   if (after.stop_prompts) commands.emplace_back(Prompting{Prompting::Do::stop});
   if (!tell_session(commands)) tell("command_failed", "the session is too busy to end what is asked for");
@@ -200,6 +215,42 @@ void Engine::State::follow_recordings(const Recorder::State& recording, const se
                           ? report.calibration.in_force == versions.back().id
                           : false))
     tell("learnt", lesson.state().sentence);
+}
+
+void Engine::State::end_recording() {
+  video.finish(now());
+  if (video.is_over())
+    recorder.end(notes());
+  else
+    ending = now();
+}
+
+void Engine::State::on_bytes(std::uint64_t client, std::span<const std::byte> bytes) {
+  if (is_video_message(bytes))
+    video.take(client, bytes, now());
+  else
+    hearing.take(client, bytes);
+}
+
+void Engine::State::look_at_video() {
+  const VideoRecording::News news = video.look(now(), page && page->has(video.client()));
+  if (!news.events.empty()) {
+    const DeviceTime newest = loop.report().time;
+    for (const VideoRecording::News::Event& event : news.events)
+      recorder.note({event.kind, newest, newest, event.json});
+  }
+  for (const VideoRecording::News::Sentence& sentence : news.sentences) tell(sentence.kind, sentence.text);
+  for (const VideoRecording::News::Stop& stop_it : news.stops)
+    if (page) page->send(stop_it.client, video_json(stop_it.why, stop_it.again));
+}
+
+Result<std::string> Engine::State::execute_video(std::uint64_t client, const json& command) {
+  MIEN_TRY_ASSIGN(const bool on, switch_field(command, "video"));
+  look_at_video();  // Who is gone keeps nobody from it.
+  MIEN_TRY(video.camera(client, on, now()));
+  // Twice the longest chunk: who sends too long a one is told, and not dropped.
+  if (on) page->allow_messages(client, 2 * kMaxVideoChunk);
+  return std::string();
 }
 
 Result<std::string> Engine::State::execute_lesson(const json& command) {

@@ -21,6 +21,7 @@
 #include "mien/live/dataset_recording.h"
 #include "mien/live/dataset_shelf.h"
 #include "mien/live/engine.h"
+#include "mien/live/fast_sender_news.h"
 #include "mien/live/intake.h"
 #include "mien/live/line_news.h"
 #include "mien/live/page_pictures.h"
@@ -29,6 +30,7 @@
 #include "mien/live/recording_news.h"
 #include "mien/live/take_listing.h"
 #include "mien/live/tracker_loop.h"
+#include "mien/live/video_recording.h"
 
 // A session's parts, and who runs what of them: the engine's own, shared by engine.cpp, which runs them, and
 // engine_requests.cpp, which does what pages ask. Everything on the network's thread but where it says so.
@@ -97,6 +99,11 @@ struct Engine::State {
   [[nodiscard]] bool tell_session(const std::vector<session::Command>& commands);
   void own_command_failed(const std::string& why);
   void follow_recordings(const Recorder::State& recording, const session::Report& report);
+  /// Ends the recording once the video beside it has ended.
+  void end_recording();
+  void on_bytes(std::uint64_t client, std::span<const std::byte> bytes);
+  void look_at_video();
+  Result<std::string> execute_video(std::uint64_t client, const nlohmann::json& command);
   [[nodiscard]] std::filesystem::path growing() const;
   [[nodiscard]] nlohmann::json list_takes(bool read_lengths);
   void send_takes();
@@ -119,6 +126,9 @@ struct Engine::State {
   DatasetShelf shelf;
   DatasetRecording dataset;
   PhoneLesson lesson;
+  VideoRecording video;
+  std::optional<HostTime> ending;      // Since when the recording waits for the end of its video.
+  std::vector<session::Command> held;  // Told to the session once the take is closed.
   boost::asio::posix::stream_descriptor wake;
   boost::asio::steady_timer beat;
   boost::asio::steady_timer play;  // Runs while the page looks at a take.
@@ -128,6 +138,8 @@ struct Engine::State {
   std::vector<NetworkInterface> interfaces;  // ... and by what they are reached, as of a second ago.
   std::vector<Outlet> outlets;
   LineNews line_news;
+  FastSenderNews fast_sender_news;
+  std::vector<Intake::FastSender> fast_senders;  // Kept for its memory.
   std::int64_t next_sink = 1;
 
   Latencies latency;

@@ -8,9 +8,16 @@
 #include "mien/live/intake.h"
 
 namespace mien::live {
+namespace {
+
+/// An answer is one for so long.
+constexpr Duration kAnswered = std::chrono::seconds(1);
+
+}  // namespace
 
 Result<void> Feeds::open(std::vector<Feed> feeds, bool wanted, Intake& intake) {
   want(wanted);
+  intake_ = &intake;
   feeds_ = std::move(feeds);
   for (const Feed& feed : feeds_) {
     MIEN_TRY_ASSIGN(sources_.emplace_back(), intake.add_source(feed.name));
@@ -33,6 +40,16 @@ void Feeds::begin(FeedPort::Tell tell) {
         state.set_trouble(why);
       }
     });
+}
+
+void Feeds::look_for_answers() {
+  for (FeedState& one : states_) {
+    const std::string host = one.awaited();
+    if (host.empty()) continue;
+    boost::system::error_code code;
+    const auto address = boost::asio::ip::make_address(host, code);
+    one.set_answered(!code && intake_->hears(address, kAnswered));
+  }
 }
 
 std::string Feeds::trouble() const {

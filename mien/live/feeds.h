@@ -43,11 +43,25 @@ class FeedState {
     const std::scoped_lock lock(mutex_);
     return camera_;
   }
+  void set_awaited(std::string host) {
+    const std::scoped_lock lock(mutex_);
+    awaited_ = std::move(host);
+    answered_ = false;
+  }
+  /// Who is awaited; empty: nobody.
+  [[nodiscard]] std::string awaited() const {
+    const std::scoped_lock lock(mutex_);
+    return awaited_;
+  }
+  void set_answered(bool answered) { answered_ = answered; }
+  [[nodiscard]] bool answered() const { return answered_; }
 
  private:
   mutable std::mutex mutex_;
   std::string trouble_;
   std::optional<CameraStatus> camera_;
+  std::string awaited_;
+  std::atomic<bool> answered_ = false;
 };
 
 /// What a feed's thread sees of its session.
@@ -70,6 +84,10 @@ class FeedPort {
   void tell(std::string kind, std::string text) const { tell_(std::move(kind), std::move(text)); }
   /// What stands against hearing now, for as long as it does; empty: nothing does any more.
   void trouble(std::string text) { state_.set_trouble(std::move(text)); }
+  /// Whose answers come in by the session's own ports from now on: an address, "192.168.1.7".
+  void await(std::string host) { state_.set_awaited(std::move(host)); }
+  /// Whether anything came from there within the last second, as of a tenth of a second ago at the latest.
+  [[nodiscard]] bool answered() const { return state_.answered(); }
   /// How the camera is that it follows.
   void show(CameraStatus camera) { state_.set_camera(std::move(camera)); }
 
@@ -103,6 +121,8 @@ class Feeds {
   void begin(FeedPort::Tell tell);
   /// Whether the session is to hear.
   void want(bool wanted) { wanted_ = wanted; }
+  /// Sees who answers those feeds that await it. Ten times a second.
+  void look_for_answers();
   /// The first trouble that a feed has; empty: none has any.
   [[nodiscard]] std::string trouble() const;
   /// Those that feeds follow, in their order.
@@ -120,6 +140,7 @@ class Feeds {
 
  private:
   std::vector<Feed> feeds_;
+  const Intake* intake_ = nullptr;       // By which answers come.
   std::vector<PayloadSource*> sources_;  // One a feed, ...
   std::deque<FeedState> states_;         // ... and so are these.
   std::atomic<bool> stop_ = false;

@@ -39,6 +39,7 @@ void Hearing::take(std::uint64_t client, std::span<const std::byte> bytes) {
 void Hearing::look(std::optional<bool> wanted, PageServer* page) {
   wanted_ = wanted.value_or(wanted_);
   feeds_.want(wanted_);
+  feeds_.look_for_answers();
   const PageInlet* const inlet = feeds_.inlet();
   if (inlet == nullptr || page == nullptr || inlet->admitted() == 0) return;
   if (!wanted_ || !page->has(inlet->admitted())) release(*page, "");

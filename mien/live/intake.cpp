@@ -158,8 +158,8 @@ void Intake::take(Port& port, const UdpArrival& arrival) {
   auto known = known_.find(port.from);
   const bool is_new = known == known_.end();
   const bool bound = !is_new && known->second->bound.load(std::memory_order_relaxed);
-  if ((!is_new && !known->second->budget.spend(now, kMaxRatePerPeer)) ||
-      (!bound && !spend_as_stranger(port.from.address(), now)) || !port.budget.spend(now, kMaxRatePerPort)) {
+  if ((!is_new && !admit(*known->second, now)) || (!bound && !spend_as_stranger(port.from.address(), now)) ||
+      !port.budget.spend(now, kMaxRatePerPort)) {
     ++counts_.too_fast;
     return;
   }
@@ -173,11 +173,19 @@ void Intake::take(Port& port, const UdpArrival& arrival) {
     }
     peer->endpoint = port.from;
     peer->budget = {kMaxRatePerPeer - 1, now};
+    peer->sent = 1;
     known = known_.emplace(port.from, peer).first;
   }
   PeerState& peer = *known->second;
   peer.port = &port;  // Answers go out where it last came in.
   hand_over(peer, now, std::span(port.bytes).first(size));
+}
+
+bool Intake::admit(PeerState& peer, HostTime now) {
+  ++peer.sent;
+  if (peer.budget.spend(now, kMaxRatePerPeer)) return true;
+  ++peer.dropped;
+  return false;
 }
 
 bool Intake::spend_as_stranger(const asio::ip::address& host, HostTime now) {
@@ -216,7 +224,7 @@ Result<std::string> Intake::listen_serial(std::string_view address, std::optiona
 void Intake::take_frame(PeerState& peer, std::span<const std::byte> frame) {
   const HostTime now = clock_();
   ++counts_.received;
-  if (peer.budget.spend(now, kMaxRatePerPeer))
+  if (admit(peer, now))
     hand_over(peer, now, frame);
   else
     ++counts_.too_fast;
@@ -264,6 +272,7 @@ Intake::PeerState* Intake::place_for_another(std::string name) {
   place->port = nullptr;
   place->name = std::move(name);
   place->newest = now;
+  place->sent = place->dropped = 0;
   place->bound = false;
   place->id = met_++;
   return place;
@@ -295,6 +304,20 @@ Intake::Counts Intake::counts() const {
   }
   for (const auto& port : ports_) counts.kernel_dropped += dropped_by_kernel(port->socket);
   return counts;
+}
+
+bool Intake::hears(const asio::ip::address& host, Duration within) const {
+  const HostTime now = clock_();
+  return std::ranges::any_of(peers_, [&](const PeerState& peer) {
+    return peer.port != nullptr && peer.endpoint.address() == host && now - peer.newest <= within;
+  });
+}
+
+void Intake::fast_senders(std::vector<FastSender>& out) const {
+  out.clear();
+  for (const PeerState& peer : peers_)
+    if (peer.id != kNobody && peer.dropped > 0)
+      out.push_back({.peer = peer.id, .source = peer.name, .sent = peer.sent, .dropped = peer.dropped});
 }
 
 bool Intake::command(std::uint64_t client, std::int64_t number, std::string_view json) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/address.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <cstdint>
 #include <functional>
@@ -77,6 +78,8 @@ class Intake {
   /// a datagram. Errors: bad_usage (neither is here; no port listens on every interface, or none of that
   /// family); the entrance is then as before.
   [[nodiscard]] Result<void> listen_only(std::string_view entrance);
+  /// Whether something from this address came in within so long, whoever there sent it.
+  [[nodiscard]] bool hears(const boost::asio::ip::address& host, Duration within) const;
   /// Where the ports on every interface are narrowed to; empty: they are not.
   [[nodiscard]] std::string entrance() const { return entrance_ ? entrance_->name() : std::string(); }
   /// Interfaces come and go: about once a second.
@@ -116,6 +119,16 @@ class Intake {
   };
   [[nodiscard]] Counts counts() const;
 
+  /// One who sent more than kMaxRatePerPeer, of which the rest was dropped.
+  struct FastSender {
+    sensor::Peer peer = 0;      ///< Nobody else's, ever.
+    std::string_view source;    ///< As Arrived has it, until the network goes on.
+    std::uint64_t sent = 0;     ///< Datagrams of this sender that came, ...
+    std::uint64_t dropped = 0;  ///< ... and those beyond its rate.
+  };
+  /// All who ever did and still have their place. Reuses what `out` holds.
+  void fast_senders(std::vector<FastSender>& out) const;
+
  private:
   struct Port;
   /// A place in the table of senders, and who has it.
@@ -126,6 +139,8 @@ class Intake {
     std::string name;
     Budget budget;
     HostTime newest;                        // Arrival.
+    std::uint64_t sent = 0;                 // As FastSender has it, ...
+    std::uint64_t dropped = 0;              // ... and this.
     std::uint64_t handed_over = 0;          // Datagrams, ...
     std::atomic<std::uint64_t> judged = 0;  // ... and how many of them the tracker's thread is done with.
     bool asked_for = false;                 // A line, a source: it keeps its place.
@@ -136,6 +151,8 @@ class Intake {
   static constexpr std::size_t kHosts = 4096;
   /// A place for a new sender of this name, which is numbered where the place was another's; null: none.
   PeerState* place_for_another(std::string name);
+  /// Counts a datagram of this sender, and whether its own rate lets it in.
+  [[nodiscard]] static bool admit(PeerState& peer, HostTime now);
   [[nodiscard]] bool spend_as_stranger(const boost::asio::ip::address& host, HostTime now);
   void receive(Port& port);
   void take(Port& port, const UdpArrival& arrival);

@@ -188,6 +188,17 @@ json dataset_json(const std::optional<DatasetRecording::State>& dataset) {
           {"error", dataset->error.empty() ? json(nullptr) : json(dataset->error)}};
 }
 
+json video_state_json(const std::optional<VideoState>& video) {
+  if (!video) return nullptr;
+  return {{"agreed", video->agreed},
+          {"on", video->on},
+          {"file", video->file},
+          {"files", video->files},
+          {"megabytes", rounded(video->megabytes)},
+          {"trouble", video->trouble.empty() ? json(nullptr) : json(video->trouble)},
+          {"refused", video->refused}};
+}
+
 json lesson_json(const PhoneLesson::State& lesson) {
   if (lesson.stage == PhoneLesson::Stage::none) return nullptr;
   return {{"state", stage_name(lesson.stage)}, {"sentence", lesson.sentence}};
@@ -326,6 +337,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
          {"error", recording.error.empty() ? json(nullptr) : json(recording.error)}}},
        {"log", log_json(recording)},
        {"dataset", dataset_json(status.dataset)},
+       {"video", video_state_json(status.video)},
        {"phone_lesson", lesson_json(status.lesson)},
        {"shaping", shaping_json(status.report)},
        {"hearing", hearing_json(status.report, status.hearing)},
@@ -382,6 +394,10 @@ std::string event_json(std::string_view kind, std::string_view text) {
 
 std::string microphone_json(std::string_view why) {
   return dump({{"type", "microphone"}, {"on", false}, {"why", why}});
+}
+
+std::string video_json(std::string_view why, bool again) {
+  return dump({{"type", "video"}, {"on", false}, {"why", why}, {"again", again}});
 }
 
 nlohmann::json takes_json(const std::vector<TakeListing::Entry>& takes) {

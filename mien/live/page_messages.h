@@ -17,6 +17,7 @@
 #include "mien/live/recorder.h"
 #include "mien/live/serial_port.h"
 #include "mien/live/take_listing.h"
+#include "mien/live/video_recording.h"
 #include "mien/sensor/rig.h"
 #include "mien/session/report.h"
 #include "mien/sink/json_frame.h"
@@ -66,6 +67,7 @@ struct Status {
   std::optional<double> recording_ends_s;  ///< When the session ends by itself and the recording with it.
   std::optional<ReplayState> replay;
   std::optional<DatasetRecording::State> dataset;  ///< None before the first.
+  std::optional<VideoState> video;                 ///< None where none was agreed to, or sent.
   PhoneLesson::State lesson;
   HearingState hearing;
   std::optional<PicturesState> pictures;  ///< None of a session without cameras.
@@ -85,6 +87,8 @@ struct Status {
 [[nodiscard]] std::string event_json(std::string_view kind, std::string_view text);
 /// To the browser whose microphone was heard and is heard no more.
 [[nodiscard]] std::string microphone_json(std::string_view why);
+/// To the browser whose camera was recorded: it is to stop, or to begin anew.
+[[nodiscard]] std::string video_json(std::string_view why, bool again);
 /// The object of a list of takes.
 [[nodiscard]] nlohmann::json takes_json(const std::vector<TakeListing::Entry>& takes);
 

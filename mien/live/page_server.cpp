@@ -104,6 +104,8 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
     pictures_[camera] = std::move(message);
     write();
   }
+  /// Counts from the next message that is read.
+  void allow_messages(std::size_t bytes) { longest_message_ = bytes; }
 
  private:
   void answer() {
@@ -190,7 +192,6 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
   void open_socket(const http::request<http::empty_body>& request) {
     stream_.expires_never();
     socket_.emplace(std::move(stream_));
-    socket_->read_message_max(kMaxMessageBytes);
     socket_->set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
     socket_->async_accept(request, [self = shared_from_this()](beast::error_code code) {
       if (code) return;
@@ -202,6 +203,8 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
   }
 
   void read_message() {
+    socket_->read_message_max(longest_message_);
+    message_.max_size(longest_message_);
     socket_->async_read(message_, [self = shared_from_this()](beast::error_code code, std::size_t) {
       if (code) return;
       const auto data = self->message_.cdata();
@@ -244,6 +247,7 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
   std::optional<http::request_parser<http::empty_body>> parser_;
   std::optional<websocket::stream<beast::tcp_stream>> socket_;
   std::uint64_t client_ = 0;
+  std::size_t longest_message_ = kMaxMessageBytes;
   bool writing_ = false;
   std::deque<std::shared_ptr<const std::string>> queue_;
   std::shared_ptr<const std::string> frame_;  // The newest that has not been sent, ...
@@ -343,6 +347,12 @@ void PageServer::send(std::string message) {
   const auto shared = std::make_shared<const std::string>(std::move(message));
   for (const auto& [number, client] : state_->clients)
     if (const auto there = client.lock()) there->send(shared);
+}
+
+void PageServer::allow_messages(std::uint64_t client, std::size_t bytes) {
+  const auto found = state_->clients.find(client);
+  if (found == state_->clients.end()) return;
+  if (const auto there = found->second.lock()) there->allow_messages(bytes);
 }
 
 void PageServer::send_picture(std::uint64_t client, std::uint16_t camera, std::string message) {

@@ -57,6 +57,9 @@ class PageServer {
   /// Where a browser finds it, token and all.
   [[nodiscard]] std::string address() const;
   [[nodiscard]] std::size_t clients() const;
+  /// Lets a client that is there send messages of so many bytes from now on: who sends longer ones is
+  /// dropped.
+  void allow_messages(std::uint64_t client, std::size_t bytes);
   /// Whether this client is still there.
   [[nodiscard]] bool has(std::uint64_t client) const;
 

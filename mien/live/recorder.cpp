@@ -131,14 +131,30 @@ void Recorder::tick(const sensor::FrameTick& tick) {
   ring_.publish();
 }
 
-void Recorder::event(const take::Event& event) {
-  std::span<std::byte> room = claim(1 + sizeof(EventHead) + event.kind.size() + event.json.size());
-  if (room.empty()) return;
+std::size_t Recorder::record_size(const take::Event& event) {
+  return 1 + sizeof(EventHead) + event.kind.size() + event.json.size();
+}
+
+void Recorder::put_record(const take::Event& event, std::span<std::byte> room) {
   put(room, Kind::event);
   put(room, EventHead{event.begin, event.end, static_cast<std::uint32_t>(event.kind.size())});
   put(room, std::as_bytes(std::span(event.kind)));
   put(room, std::as_bytes(std::span(event.json)));
+}
+
+void Recorder::event(const take::Event& event) {
+  const std::span<std::byte> room = claim(record_size(event));
+  if (room.empty()) return;
+  put_record(event, room);
   ring_.publish();
+}
+
+void Recorder::note(take::Event event) {
+  {
+    const std::lock_guard lock(mutex_);
+    noted_.push_back(std::move(event));
+  }
+  signal_.give();
 }
 
 void Recorder::calibration(std::int64_t id, DeviceTime made, std::string_view modality,
@@ -165,6 +181,7 @@ void Recorder::run() {
 
 void Recorder::turn() {
   bool ending = false;  // What was handed over before that was asked for is still to be taken.
+  std::vector<take::Event> noted;
   {
     const std::lock_guard lock(mutex_);
     if (wanted_) {
@@ -172,10 +189,12 @@ void Recorder::turn() {
       writing_->asked_for = newest_;
     }
     ending = end_notes_.has_value();
+    noted = std::exchange(noted_, {});
   }
   bool behind = false;
   do {
     drain_queues();
+    for (const take::Event& event : std::exchange(noted, {})) keep(event);
     if (overrun_.exchange(false)) give_up("the disk is too slow; record to another one");
     if (payload_overrun_.exchange(false))
       give_up("the disk is too slow for the session's pictures and sound; record to another one");
@@ -195,6 +214,14 @@ void Recorder::turn() {
     if (writing_) state_.seconds = std::max(0.0, to_seconds(writing_->newest - *writing_->asked_for));
   } while (behind && !stopping_);
   if (writing_ && ending) conclude();
+}
+
+/// An event of another thread into the temporary log.
+void Recorder::keep(const take::Event& event) {
+  std::vector<std::byte> record(record_size(event));
+  put_record(event, record);
+  if (spool_.is_open())
+    if (const auto kept = spool_.append(record); !kept) give_up(kept.error().what);
 }
 
 /// Keeps the moment of a record that has one.

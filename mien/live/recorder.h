@@ -51,6 +51,10 @@ class Recorder {
   void event(const take::Event& event);
   void calibration(std::int64_t id, DeviceTime made, std::string_view modality, std::string_view json);
 
+  // Any thread.
+  /// An event that no tracker knows of. It comes behind what was handed over when the recorder next looks.
+  void note(take::Event event);
+
   // Another thread, always the same.
   /// Makes the take's file; what the session was so far follows in the background. Errors: bad_usage (a
   /// recording runs, the file exists and not `replace`), io (what has to come first was lost); TakeWriter's.
@@ -78,6 +82,9 @@ class Recorder {
   std::span<std::byte> claim(std::size_t size);
   void run();
   void turn();
+  [[nodiscard]] static std::size_t record_size(const take::Event& event);
+  static void put_record(const take::Event& event, std::span<std::byte> room);
+  void keep(const take::Event& event);
   void drain_queues();
   std::size_t drain();
   std::size_t drain_payload();
@@ -107,6 +114,7 @@ class Recorder {
   std::condition_variable ended_;
   std::unique_ptr<Writing> wanted_;
   std::optional<std::vector<take::Note>> end_notes_;
+  std::vector<take::Event> noted_;
   State state_;
   std::string spool_error_;  // Why no recording can begin any more.
   std::jthread thread_;

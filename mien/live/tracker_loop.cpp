@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mien/live/page_messages.h"
+#include "mien/live/unheard.h"
 
 namespace mien::live {
 namespace {
@@ -168,6 +169,7 @@ void TrackerLoop::look_around(HostTime now) {
   for (const LinkNews::Sentence& news : link_news_.tell(now, {})) post_event(news.kind, news.text);
   session_.report(now, draft_);
   tell_of_hold();
+  tell_of_versions();
   // A reader that holds it gets the next one.
   if (const std::unique_lock lock(report_mutex_, std::try_to_lock); lock) std::swap(draft_, report_);
 }
@@ -188,6 +190,11 @@ void TrackerLoop::tell_of_hold() {
                fmt::format("holding frames {:.0f} ms: packets arrive late", 1e3 * to_seconds(draft_.hold)));
   else
     post_event("frames_punctual", "packets arrive in time again: frames are not held any more");
+}
+
+void TrackerLoop::tell_of_versions() {
+  for (; unknown_versions_ < draft_.unknown_versions.size(); ++unknown_versions_)
+    post_event("version_error", unknown_version_text(draft_.unknown_versions[unknown_versions_]));
 }
 
 session::Report TrackerLoop::report() const {

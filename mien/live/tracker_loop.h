@@ -73,6 +73,7 @@ class TrackerLoop {
   void look_around(HostTime now);
   void renew_report(HostTime now);
   void tell_of_hold();
+  void tell_of_versions();
 
   session::Session& session_;
   Intake& intake_;
@@ -88,7 +89,8 @@ class TrackerLoop {
   unsigned looks_ = 0;
   std::int64_t versions_ = 0;  // Handed over.
   LinkNews link_news_;
-  bool told_held_ = false;  // That frames are held.
+  bool told_held_ = false;            // That frames are held.
+  std::size_t unknown_versions_ = 0;  // Told.
   std::vector<sensor::Protocol::Outgoing> outgoing_;
   session::Report draft_;
   mutable std::mutex report_mutex_;

@@ -1,5 +1,7 @@
 #include "mien/live/unheard.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace mien::live {
@@ -11,12 +13,23 @@ Unheard why_unheard(const Arrivals& arrivals, const session::Report& report) {
   const bool sound = !report.unbound.empty() || std::ranges::any_of(report.links, [](const auto& link) {
     return link.health.age.has_value();
   });
+  std::uint64_t of_others = 0;
+  for (const session::Report::UnknownVersion& packets : report.unknown_versions) of_others += packets.count;
+  if (!sound && of_others > 0 && 2 * of_others >= report.refused + report.malformed)
+    return Unheard::other_version;
   if (!sound && report.refused > 0) return arrivals.sealed ? Unheard::not_sealed : Unheard::not_opened;
   if (!sound && report.malformed > 0) return Unheard::unreadable;
   return Unheard::no_reference;
 }
 
-std::string unheard_text(Unheard why) {
+std::string unknown_version_text(const session::Report::UnknownVersion& packets) {
+  return fmt::format(
+      "{} sends {} packets of version {}, which this program does not know: update this program, or what "
+      "sends there",
+      packets.source.empty() ? "somebody" : packets.source, packets.protocol, packets.version);
+}
+
+std::string unheard_text(Unheard why, const session::Report& report) {
   switch (why) {
     case Unheard::silence:
       return "nothing is received yet: are the devices on, and do they send here?";
@@ -25,9 +38,16 @@ std::string unheard_text(Unheard why) {
              "on the one that the devices send to";
     case Unheard::not_sealed:
       return "packets come that are not sealed with this session's key: pair the devices, or leave --key out";
+    case Unheard::other_version: {
+      // Of those that came most.
+      const auto most =
+          std::ranges::max_element(report.unknown_versions, {}, &session::Report::UnknownVersion::count);
+      if (most != report.unknown_versions.end()) return unknown_version_text(*most);
+      break;
+    }
     case Unheard::not_opened:
-      return "packets come that are sealed with a key which this session was not given, or newer than this "
-             "program: give the key with --key, or update the program";
+      return "packets come that are sealed with a key which this session was not given: give the key with "
+             "--key";
     case Unheard::unreadable:
       return "packets come, but none that can be read: see that what sends here is a device that "
              "docs/guide/devices.md names";

@@ -33,12 +33,26 @@ Result<CausalNetwork> CausalNetwork::create(const Architecture& a, std::span<con
 
 CausalNetwork::Workspace::Workspace(const CausalNetwork& network, std::size_t performers)
     : performers_(performers),
+      width_(network.architecture_.d_model),
       x_(performers * row_stride(network.architecture_.d_model)),
       state_(x_.size()),
       from_input_(performers * row_stride(kGates * network.architecture_.d_model)),
       from_state_(from_input_.size()),
       answer_(performers * row_stride(network.architecture_.outputs)),
       converted_(performers, std::max(network.architecture_.condition, network.architecture_.d_model)) {}
+
+std::span<const float> CausalNetwork::Workspace::hidden(std::size_t performer) const {
+  assert(performer < performers_);
+  return {x_.data() + performer * row_stride(width_), width_};
+}
+
+void CausalNetwork::correct(const Correction* correction) {
+  correction_.reset();
+  if (correction == nullptr) return;
+  const std::size_t in = architecture_.d_model, out = architecture_.outputs;
+  assert(correction->weights.size() == out * in && correction->bias.size() == out);
+  correction_ = pack_linear(correction->weights, correction->bias, out, in, 0, in, Precision::fp32);
+}
 
 CausalNetwork::State::State(const CausalNetwork& network) : alone_(network) {
   for (std::size_t i = 0; i < network.architecture_.layers; ++i)
@@ -80,6 +94,9 @@ void CausalNetwork::step(std::span<const float> conditions, std::span<State* con
                w.converted_);
   for (std::size_t i = 0; i < layers_.size(); ++i) step_layer(i, states, w);
   apply_linear(output_, rows, {w.x_.data(), stride}, {w.answer_.data(), answers}, {}, w.converted_);
+  if (correction_)
+    apply_linear(*correction_, rows, {w.x_.data(), stride}, {w.answer_.data(), answers},
+                 {.add = {w.answer_.data(), answers}}, w.converted_);
   for (std::size_t r = 0; r < rows; ++r)
     std::copy_n(w.answer_.data() + r * answers, a.outputs, out.data() + r * a.outputs);
 }

@@ -1,20 +1,22 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "mien/core/error.h"
 #include "mien/model/architecture.h"
+#include "mien/model/correction.h"
 #include "mien/model/linear.h"
 #include "mien/model/safetensors.h"
 
 namespace mien::model {
 
 /// The recurrent network at run time: one frame's condition in, that frame's weights out, nothing of the
-/// future. One thread. Immutable, so any number of threads may share one; each performance needs a State of
-/// its own. In fp32 it agrees with libtorch to 1e-4 over hundreds of frames (`mien-train parity`); what the
-/// other precisions cost stands in docs/experiments/engine.md.
+/// future. One thread. Steps change nothing in it, so any number of threads may share one; each performance
+/// needs a State of its own. In fp32 it agrees with libtorch to 1e-4 over hundreds of frames (`mien-train
+/// parity`); what the other precisions cost stands in docs/experiments/engine.md.
 class CausalNetwork {
  public:
   /// Lays the weights out for the kernels. Errors: mismatch (tensors or a kind that do not belong here),
@@ -28,9 +30,12 @@ class CausalNetwork {
    public:
     explicit Workspace(const CausalNetwork& network, std::size_t performers = 1);
 
+    /// What the output layer read of a performer in the last step, d_model numbers; until the next one.
+    [[nodiscard]] std::span<const float> hidden(std::size_t performer) const;
+
    private:
     friend class CausalNetwork;
-    std::size_t performers_ = 0;
+    std::size_t performers_ = 0, width_ = 0;
     // A row a performer, row_stride() apart.
     AlignedFloats x_;                        ///< d_model: what the next layer reads.
     AlignedFloats state_;                    ///< d_model: what a layer remembers.
@@ -62,6 +67,10 @@ class CausalNetwork {
   void step(std::span<const float> conditions, std::span<State* const> states, Workspace& workspace,
             std::span<float> out) const;
 
+  /// The output layer is corrected for a wearer from now on, in fp32 whatever the precision; nullptr: no
+  /// more. Not while it is shared with another thread. Sizes: `weights` outputs x d_model, `bias` outputs.
+  void correct(const Correction* correction);
+
   [[nodiscard]] const Architecture& architecture() const { return architecture_; }
   [[nodiscard]] Precision precision() const { return input_.precision; }
   /// Of all weights as they are laid out: what a step reads at least.
@@ -79,6 +88,7 @@ class CausalNetwork {
   PackedLinear input_;
   std::vector<Layer> layers_;
   PackedLinear output_;
+  std::optional<PackedLinear> correction_;
 };
 
 }  // namespace mien::model

@@ -1,25 +1,21 @@
 #pragma once
 
-#include <cstddef>
+#include <string>
 #include <vector>
 
 namespace mien::model {
 
-/// What is added to a causal network's answers for one wearer: a linear residual, fitted to somebody else's
-/// measure of the same face (tracker::learn_correction). With the answers a of this frame and of earlier
-/// ones, side by side in the order of `lags`, the answer becomes a + W a. Nothing is added to an answer of
-/// zeros, so a face at rest stays at rest.
+/// What is added to the output layer of a causal network for one wearer, fitted to somebody else's measure of
+/// the same face (tracker::learn_correction). With x the d_model numbers that the output layer reads, its
+/// answer y = W x + b, nominally in [-1, 1], becomes y + C x + c.
 struct Correction {
-  /// Frames back, ascending, the first 0; at most kMostCorrectionLags of them, kLongestCorrectionLag at most.
-  std::vector<std::size_t> lags;
-  /// W, shapes x (lags * shapes), row-major; each within kMostCorrection either way. A row of zeros leaves
-  /// its shape.
-  std::vector<float> weights;
+  std::string network;         ///< Of which network: correction_key(). It is nonsense to any other.
+  std::vector<float> weights;  ///< C, outputs x d_model, row-major; each within kMostCorrection either way.
+  std::vector<float> bias;     ///< c, one an output; likewise. Zeros in both leave a shape as it is.
   bool operator==(const Correction&) const = default;
 };
 
-inline constexpr std::size_t kMostCorrectionLags = 8;
-inline constexpr std::size_t kLongestCorrectionLag = 60;
-inline constexpr float kMostCorrection = 100;
+/// Far beyond what is learnt: the output layer's own weights are below 1.
+inline constexpr float kMostCorrection = 10;
 
 }  // namespace mien::model

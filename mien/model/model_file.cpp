@@ -11,6 +11,7 @@
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/model/confidence_file.h"
+#include "mien/model/network_correction.h"
 #include "mien/model/network_parts.h"
 
 namespace mien::model {
@@ -23,6 +24,7 @@ constexpr const char* kStandardSkin = "skin.standard";
 constexpr const char* kWearerSkin = "skin.wearer";
 constexpr const char* kWeightCovariance = "skin.weight_covariance";
 constexpr const char* kCorrection = "correction.weights";
+constexpr const char* kCorrectionBias = "correction.bias";
 /// Two whole turns per unit weight, rad.
 constexpr float kMostSlope = 12.6F;
 
@@ -69,24 +71,6 @@ Result<void> check_skin(const ModelFile& m, const std::string& where) {
   return {};
 }
 
-/// Frames back that ascend from 0, and a matrix of their size.
-Result<void> check_correction(const ModelFile& m, const std::string& where) {
-  const Correction& c = *m.correction;
-  if (m.architecture.kind != NetworkKind::causal)
-    return fail(ErrorCode::mismatch, "a window network's answers are not corrected", where);
-  if (c.lags.empty() || c.lags.size() > kMostCorrectionLags || c.lags.front() != 0 ||
-      c.lags.back() > kLongestCorrectionLag ||
-      std::ranges::adjacent_find(c.lags, std::ranges::greater_equal{}) != c.lags.end())
-    return fail(ErrorCode::out_of_range, "the correction's lags do not ascend from 0, or go too far back",
-                where);
-  if (c.weights.size() != m.shapes.size() * m.shapes.size() * c.lags.size())
-    return fail(ErrorCode::mismatch, "the correction has another size than shapes and lags", where);
-  for (const float weight : c.weights)
-    if (!(std::abs(weight) <= kMostCorrection))
-      return fail(ErrorCode::out_of_range, "the correction is larger than any that is learnt", where);
-  return {};
-}
-
 Result<void> check_model(const ModelFile& m, const std::string& where) {
   if (const auto ok = check(m.architecture); !ok) return fail(ok.error().code, ok.error().what, where);
   const auto differ = [&](std::string what) { return fail(ErrorCode::mismatch, std::move(what), where); };
@@ -112,9 +96,9 @@ Result<void> check_model(const ModelFile& m, const std::string& where) {
       return differ(fmt::format("the ridge for {} has another size", ridge.profile));
   }
   if (m.skin) MIEN_TRY(check_skin(m, where));
-  if (m.correction) MIEN_TRY(check_correction(m, where));
   if (m.confidence) MIEN_TRY(check(*m.confidence, m.shapes.size(), where));
   if (const auto ok = check_tensors(a, m.network); !ok) return differ(ok.error().what);
+  if (m.correction) MIEN_TRY(check_correction(*m.correction, a, m.network, where));
   return {};
 }
 
@@ -153,14 +137,11 @@ void read_metadata(const TensorFile& file, ModelFile& m) {
   m.results = text("results");
 }
 
-/// Frames back, where there is a correction; its weights are a tensor.
+/// Whose it is, where there is a correction; its numbers are tensors.
 void read_correction(const TensorFile& file, ModelFile& m) {
-  if (!file.metadata.contains("correction")) return;
-  Correction& correction = m.correction.emplace();
-  const Json described = entry(file, "correction");
-  for (const Json& lag : described.at("lags"))
-    // One that is no count is refused as all are that go too far back.
-    correction.lags.push_back(lag.is_number_unsigned() ? lag.get<std::size_t>() : kLongestCorrectionLag + 1);
+  if (file.metadata.contains("correction"))
+    m.correction = {
+        .network = entry(file, "correction").at("network").get<std::string>(), .weights = {}, .bias = {}};
 }
 
 void read_ridges(const TensorFile& file, ModelFile& m) {
@@ -215,7 +196,10 @@ Result<ModelFile> model_of(TensorFile file, const std::string& where) {
     take(kWeightCovariance, m.skin->covariance);
     take(kWearerSkin, m.skin->wearer);
   }
-  if (m.correction) take(kCorrection, m.correction->weights);
+  if (m.correction) {
+    take(kCorrection, m.correction->weights);
+    take(kCorrectionBias, m.correction->bias);
+  }
   if (!by_name.empty())
     return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", by_name.begin()->first),
                 where);
@@ -287,8 +271,9 @@ Result<std::vector<std::byte>> format_model(const ModelFile& m) {
     if (!m.skin->wearer.empty()) add(kWearerSkin, {rows, shapes}, m.skin->wearer);
   }
   if (m.correction) {
-    file.metadata["correction"] = Json{{"lags", m.correction->lags}}.dump();
-    add(kCorrection, {m.shapes.size(), m.correction->lags.size() * m.shapes.size()}, m.correction->weights);
+    file.metadata["correction"] = Json{{"network", m.correction->network}}.dump();
+    add(kCorrection, {m.shapes.size(), m.architecture.d_model}, m.correction->weights);
+    add(kCorrectionBias, {m.shapes.size()}, m.correction->bias);
   }
   if (m.confidence) add_confidence(*m.confidence, m.shapes.size(), file);
   return write_safetensors(file);

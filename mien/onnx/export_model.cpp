@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mien/core/files.h"
+#include "mien/model/network_correction.h"
 #include "mien/model/network_parts.h"
 #include "mien/onnx/backbone_graph.h"
 #include "mien/onnx/causal_graph.h"
@@ -92,7 +93,9 @@ std::vector<std::byte> causal_graph(const model::ModelFile& model, const ExportR
   graph.tell("steps", std::to_string(request.steps));
   const std::string condition = add_condition(graph, model, request.features, {rows_of(request)});
   // The network's numbers are 2 w - 1.
-  add_causal_network(graph, model.architecture, model.network, condition,
+  const std::vector<model::Tensor> network =
+      model.correction ? model::corrected_network(model.network, *model.correction) : model.network;
+  add_causal_network(graph, model.architecture, network, condition,
                      {.name = "weights", .says = kWeightsSay, .factor = 0.5F, .shift = 0.5F, .held = true},
                      request.steps);
   return graph.bytes();

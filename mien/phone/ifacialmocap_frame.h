@@ -1,9 +1,7 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
-#include <string_view>
 
 #include "mien/core/error.h"
 #include "mien/phone/told_face.h"
@@ -12,12 +10,6 @@ namespace mien::phone {
 
 /// Longest frame that is read, bytes: twice what phones send.
 inline constexpr std::size_t kMostIFacialMocapBytes = 2048;
-
-/// Where phones listen for requests, and send their frames to.
-inline constexpr std::uint16_t kIFacialMocapPort = 49983;
-/// What asks a phone to send frames of version 2 from then on, to port kIFacialMocapPort of who asks.
-inline constexpr std::string_view kIFacialMocapRequest =
-    "iFacialMocap_sahuasouryya9218sauhuiayeta91555dy3719|sendDataVersion=v2";
 
 /// What iFacialMocap, or who speaks as it does, says of one moment. Layout: docs/reference/phones.md.
 struct IFacialMocapFrame {

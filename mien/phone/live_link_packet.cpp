@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <utility>
 
@@ -48,6 +49,12 @@ bool is_live_link(std::span<const std::byte> bytes) {
   return reader.ok() && version > 0 && version < kLikelyVersions && size > 0 &&
          static_cast<std::size_t>(size) <= kMostLiveLinkName &&
          bytes.size() >= kLeastBytes + static_cast<std::size_t>(size);
+}
+
+std::optional<unsigned> unknown_live_link_version(std::span<const std::byte> bytes) {
+  if (!is_live_link(bytes)) return std::nullopt;
+  const auto version = std::to_integer<unsigned>(bytes.front());
+  return version == kVersion ? std::nullopt : std::optional(version);
 }
 
 Result<LiveLinkPacket> parse_live_link(std::span<const std::byte> bytes) {

@@ -39,6 +39,9 @@ inline constexpr float kMostLiveLinkValue = 100;
 /// Whether the bytes begin like a packet of Live Link Face of whatever version; checks no more.
 [[nodiscard]] bool is_live_link(std::span<const std::byte> bytes);
 
+/// The version of bytes that begin so, where it is another than the one that is read here.
+[[nodiscard]] std::optional<unsigned> unknown_live_link_version(std::span<const std::byte> bytes);
+
 /// Texts of the result stand in `bytes`. Errors: truncated; unsupported (another version, or other than 61
 /// values); malformed (a name too long, bytes behind the last value); out_of_range (frame, sub-frame, rate,
 /// time as sensor::check_device_time has it, a value). No allocation but in errors. Thread-safe.

@@ -30,6 +30,9 @@ class LiveLinkProtocol final : public sensor::Protocol {
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override {
     return is_live_link(datagram);
   }
+  [[nodiscard]] std::optional<unsigned> unknown_version(std::span<const std::byte> datagram) const override {
+    return unknown_live_link_version(datagram);
+  }
   /// Another version's packet is ignored, and so is one more phone than there are places for.
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;

@@ -26,6 +26,8 @@ constexpr double kTapLasts_s = 0.18;
 constexpr double kQuiet_s = 1.0, kQuietShare = 0.4;
 /// One finger's taps are about as strong as each other.
 constexpr double kMostUneven = 3;
+/// Across a longer gap nothing is one movement, nor disturbs another, s.
+constexpr double kMostGapInFrames_s = kQuiet_s + 0.1;
 /// From both ends of what a phone told taps are looked for within this, s.
 constexpr double kEnds_s = 30;
 /// A weaker jolt is none. Speech accelerates a chin by up to 3 m/s^2 (5 mm at 4 Hz).
@@ -90,17 +92,32 @@ std::vector<ThreeTaps> threes_in(std::span<const double> strength, double begin_
   return out;
 }
 
-/// What sensors felt.
-std::vector<ThreeTaps> felt_taps(std::span<const model::FeatureFrame> skin) {
-  if (skin.empty()) return {};
-  std::vector<double> jolt(
-      static_cast<std::size_t>(kPlaceOf(to_seconds(skin.back().time - skin.front().time))) + 1);
-  for (const model::FeatureFrame& frame : skin) {
-    double& most = jolt[static_cast<std::size_t>(kPlaceOf(to_seconds(frame.time - skin.front().time)))];
+/// What sensors felt in frames between which no gap is longer than kMostGapInFrames_s, from `begin_s` on.
+std::vector<ThreeTaps> felt_in(std::span<const model::FeatureFrame> stretch, double begin_s) {
+  const DeviceTime begin = stretch.front().time;
+  std::vector<double> jolt(static_cast<std::size_t>(kPlaceOf(to_seconds(stretch.back().time - begin))) + 1);
+  for (const model::FeatureFrame& frame : stretch) {
+    double& most = jolt[static_cast<std::size_t>(kPlaceOf(to_seconds(frame.time - begin)))];
     for (const model::SensorFeature& sensor : frame.sensors)
       if (sensor.has_accel) most = std::max(most, double{sensor.accel_m_s2.norm()});
   }
-  return threes_in(jolt, 0, kLeastJolt_m_s2);
+  return threes_in(jolt, begin_s, kLeastJolt_m_s2);
+}
+
+/// What sensors felt. Memory follows how many frames there are, whatever their times say.
+std::vector<ThreeTaps> felt_taps(std::span<const model::FeatureFrame> skin) {
+  std::vector<ThreeTaps> out;
+  for (std::size_t begin = 0, end = 0; begin < skin.size(); begin = end) {
+    const auto goes_on = [&](std::size_t at) {
+      const Duration gap = skin[at].time - skin[at - 1].time;
+      return gap >= Duration::zero() && to_seconds(gap) <= kMostGapInFrames_s;
+    };
+    for (end = begin + 1; end < skin.size() && goes_on(end); ++end) continue;
+    const auto felt =
+        felt_in(skin.subspan(begin, end - begin), to_seconds(skin[begin].time - skin.front().time));
+    out.insert(out.end(), felt.begin(), felt.end());
+  }
+  return out;
 }
 
 /// What a phone told from `begin_s` on, before `end_s`.

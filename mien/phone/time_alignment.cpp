@@ -384,27 +384,45 @@ void judge(const Pairs& pairs, const Blocks& blocks, const AlignmentPrior& prior
     information[block] += slope.cwiseAbs2().dot(precision);
     score[block] += slope.cwiseProduct(residual.row(row)).dot(precision);
   }
-  // Residuals of neighbouring frames are alike, so the blocks' scatter says what a block is worth.
-  double scatter = 0, counted = 0;
   at.blocks.assign(blocks.count, {});
+  const double half_s = 0.5 * at.overlap_s;
+  const auto base = [&](const AlignmentBlock& block) {
+    return Eigen::Vector2d(1, (0.5 * (block.begin_s + block.end_s) - at.middle_s) / half_s);
+  };
+  // Residuals of neighbouring frames are alike, and what a linear map gets wrong differs from block to block
+  // and is no less where more is felt. So information alone would trust few blocks too much: a block's weight
+  // is its root, and how the blocks scatter about their own line (the residual variance) inflates the
+  // covariance.
+  Eigen::Matrix2d rooted = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d rooted_right = Eigen::Vector2d::Zero();
+  double counted = 0;
   for (std::size_t b = 0; b < blocks.count; ++b) {
-    at.blocks[b].begin_s = blocks.begin_s + static_cast<double>(b) * blocks.length_s;
-    at.blocks[b].end_s = at.blocks[b].begin_s + blocks.length_s;
+    AlignmentBlock& block = at.blocks[b];
+    block.begin_s = blocks.begin_s + static_cast<double>(b) * blocks.length_s;
+    block.end_s = block.begin_s + blocks.length_s;
     if (!(information[b] > 0)) continue;
-    at.blocks[b].residual_s = score[b] / information[b];
-    scatter += at.blocks[b].residual_s * score[b];
+    block.residual_s = score[b] / information[b];
+    rooted += std::sqrt(information[b]) * base(block) * base(block).transpose();
+    rooted_right += std::sqrt(information[b]) * block.residual_s * base(block);
     ++counted;
   }
-  const double inflation = std::max(1.0, scatter / std::max(1.0, counted - 2));
+  const Eigen::Vector2d line =
+      counted > 2 ? Eigen::Vector2d(rooted.ldlt().solve(rooted_right)) : Eigen::Vector2d::Zero();
+  double scatter = 0;
+  for (std::size_t b = 0; b < blocks.count; ++b)
+    scatter +=
+        std::sqrt(information[b]) * std::pow(at.blocks[b].residual_s - base(at.blocks[b]).dot(line), 2);
+  const double variance = scatter / std::max(1.0, counted - 2);
   Eigen::Matrix2d all = Eigen::Matrix2d::Zero();
   Eigen::Vector2d right = Eigen::Vector2d::Zero();
-  const double half_s = 0.5 * at.overlap_s;
   for (std::size_t b = 0; b < blocks.count; ++b) {
-    const double weight = information[b] / inflation;
-    at.blocks[b].sigma_s = weight > 0 ? 1 / std::sqrt(weight) : std::numeric_limits<double>::infinity();
-    const Eigen::Vector2d base(1, (0.5 * (at.blocks[b].begin_s + at.blocks[b].end_s) - at.middle_s) / half_s);
-    all += weight * base * base.transpose();
-    right += weight * at.blocks[b].residual_s * base;
+    AlignmentBlock& block = at.blocks[b];
+    // Never more than of residuals that are white.
+    const double weight =
+        variance > 0 ? std::min(information[b], std::sqrt(information[b]) / variance) : information[b];
+    block.sigma_s = weight > 0 ? 1 / std::sqrt(weight) : std::numeric_limits<double>::infinity();
+    all += weight * base(block) * base(block).transpose();
+    right += weight * block.residual_s * base(block);
   }
   const double ends_sigma_s = std::max(1e-6, 1e-6 * prior.drift_sigma_ppm * half_s);
   all(1, 1) += 1 / (ends_sigma_s * ends_sigma_s);
@@ -414,8 +432,7 @@ void judge(const Pairs& pairs, const Blocks& blocks, const AlignmentPrior& prior
   at = moved(std::move(at), step[0], step[1]);
   at.offset_sigma_s = std::sqrt(covariance(0, 0));
   at.drift_sigma_ppm = 1e6 * std::sqrt(covariance(1, 1)) / half_s;
-  for (AlignmentBlock& block : at.blocks)
-    block.residual_s -= step[0] + step[1] * (0.5 * (block.begin_s + block.end_s) - at.middle_s) / half_s;
+  for (AlignmentBlock& block : at.blocks) block.residual_s -= base(block).dot(step);
 }
 
 /// Middle and length of what both have at this offset.

@@ -10,7 +10,7 @@ namespace mien::sensor {
 namespace {
 
 constexpr std::array<std::byte, 4> kMagic = {std::byte{'M'}, std::byte{'I'}, std::byte{'E'}, std::byte{'N'}};
-constexpr std::size_t kTypeAt = 5;
+constexpr std::size_t kVersionAt = 4, kTypeAt = 5;
 constexpr std::uint64_t kMaxTimeUs = 100'000'000'000'000;
 
 }  // namespace
@@ -21,6 +21,12 @@ bool is_our_packet(std::span<const std::byte> bytes) {
 
 bool is_our_packet(std::span<const std::byte> bytes, std::uint8_t type) {
   return is_our_packet(bytes) && bytes[kTypeAt] == std::byte{type};
+}
+
+std::optional<unsigned> unknown_packet_version(std::span<const std::byte> bytes) {
+  if (!is_our_packet(bytes)) return std::nullopt;
+  const auto version = std::to_integer<unsigned>(bytes[kVersionAt]);
+  return version == kPacketVersion ? std::nullopt : std::optional(version);
 }
 
 Result<std::uint8_t> read_packet_begin(ByteReader& reader, const char* where) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "mien/core/bytes.h"
@@ -23,6 +24,8 @@ inline constexpr std::uint8_t kBatteryUnknown = 255;
 /// The same of one type.
 [[nodiscard]] bool is_our_packet(std::span<const std::byte> bytes, std::uint8_t type);
 
+/// The version of a packet of ours, where it is another than kPacketVersion.
+[[nodiscard]] std::optional<unsigned> unknown_packet_version(std::span<const std::byte> bytes);
 /// Reads the packet's beginning and gives its type. Errors: malformed (magic), unsupported (version).
 [[nodiscard]] Result<std::uint8_t> read_packet_begin(ByteReader& reader, const char* where);
 /// Whether the packet ends with its checksum. Errors: malformed. It has kChecksumBytes or more.

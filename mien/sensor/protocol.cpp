@@ -4,6 +4,8 @@
 
 #include <charconv>
 
+#include "mien/sensor/packet_envelope.h"
+
 namespace mien::sensor {
 
 std::string format_device(const DeviceKey& key) {
@@ -38,6 +40,10 @@ Result<DeviceKey> parse_device(std::string_view text) {
   const auto [end, code] = std::from_chars(text.data() + 1, text.data() + text.size(), key.channel);
   if (code != std::errc{} || end != whole.data() + whole.size()) return bad();
   return key;
+}
+
+std::optional<unsigned> Protocol::unknown_version(std::span<const std::byte> datagram) const {
+  return unknown_packet_version(datagram);
 }
 
 void Inbox::clear() {

@@ -95,6 +95,9 @@ class Protocol {
   [[nodiscard]] virtual std::string_view name() const = 0;
   /// Whether the content is of this language; says nothing of its being well formed.
   [[nodiscard]] virtual bool recognises(std::span<const std::byte> datagram) const = 0;
+  /// The version of a datagram that it recognises, where it is one that it does not know; none for any other.
+  /// Of what says its version as our packets do this is done here. A pure function of the bytes.
+  [[nodiscard]] virtual std::optional<unsigned> unknown_version(std::span<const std::byte> datagram) const;
   /// Decodes one datagram. Appends to `inbox`. No allocation but for a device's first words.
   virtual Verdict receive(HostTime arrival, Peer peer, std::span<const std::byte> datagram, Inbox& inbox) = 0;
   /// The same of a datagram with a payload beside it: 1 to kMaxPayload bytes, valid during the call and as

@@ -47,6 +47,13 @@ Result<GiveConsent> consent_in(const json& object) {
     return fail(ErrorCode::malformed, "\"sound\" is missing", kCommand,
                 "true where the voice is recorded too");
   given.consent.sound = sound->get<bool>();
+  // Older logs say nothing of it.
+  if (const auto video = object.find("video"); video != object.end()) {
+    if (!video->is_boolean())
+      return fail(ErrorCode::malformed, "\"video\" is neither true nor false", kCommand,
+                  "true where the face is recorded on video too");
+    given.consent.video = video->get<bool>();
+  }
   MIEN_TRY(check_consent(given.consent, kCommand));
   return given;
 }

@@ -35,7 +35,8 @@ std::string consent_event_json(const Consent& consent) {
   return nlohmann::json({{"performer", consent.performer},
                          {"recorded_by", consent.recorded_by},
                          {"purpose", consent.purpose},
-                         {"sound", consent.sound}})
+                         {"sound", consent.sound},
+                         {"video", consent.video}})
       .dump();
 }
 
@@ -46,9 +47,12 @@ std::optional<Consent> consent_of(std::string_view json) {
     const auto found = event.find(key);
     return found != event.end() && found->is_string() ? found->get<std::string>() : std::string();
   };
-  Consent consent{text("performer"), text("recorded_by"), text("purpose"), false};
-  const auto sound = event.find("sound");
-  consent.sound = sound != event.end() && sound->is_boolean() && sound->get<bool>();
+  const auto flag = [&event](const char* key) {
+    const auto found = event.find(key);
+    return found != event.end() && found->is_boolean() && found->get<bool>();
+  };
+  const Consent consent{text("performer"), text("recorded_by"), text("purpose"), flag("sound"),
+                        flag("video")};
   if (!check_consent(consent, {})) return std::nullopt;
   return consent;
 }

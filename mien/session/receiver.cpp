@@ -37,6 +37,8 @@ constexpr Duration kLost = std::chrono::milliseconds(100);
 constexpr Duration kLostEstimated = std::chrono::seconds(1);
 /// Samples that one datagram can hold.
 constexpr std::size_t kMostSamples = 256;
+/// Unknown versions that are told apart: nobody has so many, and a stranger could invent more.
+constexpr std::size_t kMostVersions = 8;
 
 }  // namespace
 
@@ -349,6 +351,22 @@ std::size_t Receiver::protocol_of(std::span<const std::byte> datagram) const {
   return protocol;
 }
 
+void Receiver::note_version(std::size_t protocol, Sender sender, std::span<const std::byte> datagram) {
+  const sensor::Protocol& language = *protocols_[protocol];
+  const std::optional<unsigned> version = language.unknown_version(datagram);
+  if (!version) return;
+  const auto known = std::ranges::find_if(unknown_versions_, [&](const Report::UnknownVersion& one) {
+    return one.version == *version && one.protocol == language.name();
+  });
+  if (known != unknown_versions_.end())
+    ++known->count;
+  else if (unknown_versions_.size() < kMostVersions)
+    unknown_versions_.push_back({.protocol = std::string(language.name()),
+                                 .version = *version,
+                                 .source = std::string(sender.source),
+                                 .count = 1});
+}
+
 Receiver::Received Receiver::reject_malformed(sensor::Peer peer) {
   ++malformed_;
   for (const Device& known : devices_)
@@ -401,6 +419,7 @@ Receiver::Received Receiver::decode(HostTime arrival, Sender sender, std::size_t
   out.verdict = payload.bytes.empty()
                     ? language.receive(arrival, peer, datagram, inbox_)
                     : language.receive_with_payload(arrival, peer, datagram, payload.bytes, inbox_);
+  if (out.verdict != Verdict::taken) note_version(protocol, sender, datagram);
   if (out.verdict == Verdict::malformed) return reject_malformed(peer);
   if (out.verdict == Verdict::refused) {
     ++refused_;
@@ -488,6 +507,7 @@ void Receiver::report_senders(HostTime now, const DeviceKey& key, Report::Link& 
 void Receiver::report(HostTime now, Report& out) const {
   out.malformed = malformed_;
   out.refused = refused_;
+  out.unknown_versions = unknown_versions_;
   out.hold = ticks_.hold().now();
   out.longest_hold = ticks_.hold().longest();
   out.tap = tap_.armed();
@@ -508,6 +528,9 @@ void Receiver::report(HostTime now, Report& out) const {
           .uncertainty = model.uncertainty(links_[i].newest)};
     }
     link.health = links_[i].health.report(now, clock);
+    // No frame waits for a truth.
+    if (link.health.state == sensor::LinkState::late && rig_.sensors[i].is_truth())
+      link.health.state = sensor::LinkState::good;
     report_senders(now, bound == bound_.end() ? DeviceKey() : bound->first, link);
     // Two that send the same packets have no line of their own by which a link would tell them apart.
     if (!link.rivals.empty() && link.health.state == sensor::LinkState::good)
@@ -520,7 +543,8 @@ void Receiver::report(HostTime now, Report& out) const {
   for (const Device& known : devices_)
     if (!known.sensor)
       out.unbound.push_back({sensor::format_device(known.key), known.announces,
-                             std::string(protocols_[known.protocol]->name()), now - known.received});
+                             std::string(protocols_[known.protocol]->name()), now - known.received,
+                             known.source});
 }
 
 }  // namespace mien::session

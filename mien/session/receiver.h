@@ -241,6 +241,8 @@ class Receiver {
   void give_back(Device& device, HostTime arrival, SampleConsumer& consumer);
   void take_reading(HostTime arrival, Sender sender, std::size_t protocol, const sensor::Reading& reading,
                     SampleConsumer& consumer);
+  /// Counts a datagram that was not taken, where that is for its version.
+  void note_version(std::size_t protocol, Sender sender, std::span<const std::byte> datagram);
   void report_senders(HostTime now, const sensor::DeviceKey& key, Report::Link& out) const;
 
   sensor::Rig rig_;
@@ -258,6 +260,7 @@ class Receiver {
   sensor::Inbox inbox_;
   std::vector<sensor::Sample> samples_;
   bool listens_ = true;
+  std::vector<Report::UnknownVersion> unknown_versions_;
   std::uint64_t malformed_ = 0;
   std::uint64_t refused_ = 0;
 };

@@ -49,6 +49,14 @@ struct Report {
     std::string announces;
     std::string protocol;
     Duration age{};
+    std::string source;  ///< Where it sends from.
+  };
+  /// Datagrams of a version that this program does not know.
+  struct UnknownVersion {
+    std::string protocol;  ///< As sensor::Protocol::name().
+    unsigned version = 0;
+    std::string source;  ///< Who sent the first.
+    std::uint64_t count = 0;
   };
   struct Calibration {
     std::string state;  ///< "watching", "running", "done", "failed".
@@ -104,6 +112,7 @@ struct Report {
   std::optional<Hearing> hearing;
   std::uint64_t malformed = 0;
   std::uint64_t refused = 0;
+  std::vector<UnknownVersion> unknown_versions;  ///< The first that came, at most eight.
   /// By how much frames are held back for packets that come late, which adds to every frame's latency; now,
   /// and at most so far.
   Duration hold{};

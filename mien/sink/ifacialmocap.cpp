@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "mien/core/units.h"
+#include "mien/face/ifacialmocap_request.h"
 #include "mien/face/livelink_csv.h"
 
 namespace mien::sink {
@@ -46,7 +47,6 @@ void put_eye(Datagrams& out, const char* name, const Eigen::Vector2f& yaw_left_p
 }  // namespace
 
 std::optional<IFacialMocapRequest> parse_ifacialmocap_request(std::span<const std::byte> bytes) {
-  constexpr std::string_view kSecret = "sahuasouryya9218sauhuiayeta91555dy3719";
   constexpr std::size_t kLongest = 128;
   if (bytes.size() > kLongest) return std::nullopt;
   std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -57,14 +57,14 @@ std::optional<IFacialMocapRequest> parse_ifacialmocap_request(std::span<const st
     text.remove_prefix(front.size());
     return true;
   };
-  if (!cut("iFacialMocap_")) return std::nullopt;
+  if (!cut(face::kIFacialMocapAsks)) return std::nullopt;
   IFacialMocapRequest request = IFacialMocapRequest::v1;
   if (cut("UDPTCPSTOP_"))
     request = IFacialMocapRequest::tcp_stop;
   else if (cut("UDPTCP_"))
     request = IFacialMocapRequest::tcp;
-  if (!cut(kSecret)) return std::nullopt;
-  if (request == IFacialMocapRequest::v1 && cut("|sendDataVersion=v2")) request = IFacialMocapRequest::v2;
+  if (!cut(face::kIFacialMocapSecret)) return std::nullopt;
+  if (request == IFacialMocapRequest::v1 && cut(face::kIFacialMocapAsksV2)) request = IFacialMocapRequest::v2;
   if (!text.empty()) return std::nullopt;
   return request;
 }

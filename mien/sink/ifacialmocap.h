@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -9,9 +8,6 @@
 #include "mien/sink/datagrams.h"
 
 namespace mien::sink {
-
-/// Where receivers listen for frames, and phones for requests.
-inline constexpr std::uint16_t kIFacialMocapPort = 49983;
 
 /// How name and value are set apart: `-` in version 1, `&` in version 2.
 enum class IFacialMocapVersion { v1, v2 };

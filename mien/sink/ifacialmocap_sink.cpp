@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "mien/face/ifacialmocap_request.h"
 #include "mien/sink/frame_pace.h"
 #include "mien/sink/ifacialmocap.h"
 #include "mien/sink/udp_target.h"
@@ -174,9 +175,9 @@ Result<std::unique_ptr<Sink>> open_ifacialmocap_sink(boost::asio::io_context& ne
   MIEN_TRY(address.expect_options({"version", "listen", "rate"}));
   MIEN_TRY_ASSIGN(const int rate_hz, address.whole_option("rate", 60, 1, 60));
   MIEN_TRY_ASSIGN(const int version, address.whole_option("version", 2, 1, 2));
-  MIEN_TRY_ASSIGN(UdpTarget target, UdpTarget::open(network, address, kIFacialMocapPort));
+  MIEN_TRY_ASSIGN(UdpTarget target, UdpTarget::open(network, address, face::kIFacialMocapPort));
   const bool asked = address.option("listen") != nullptr;
-  const int usual = is_this_machine(network, target.endpoint()) ? 0 : int{kIFacialMocapPort};
+  const int usual = is_this_machine(network, target.endpoint()) ? 0 : int{face::kIFacialMocapPort};
   MIEN_TRY_ASSIGN(const int port, address.whole_option("listen", usual, 0, 65535));
   auto sink = std::make_unique<IFacialMocapSink>(
       network, std::string(text), std::move(target),

@@ -15,7 +15,7 @@
 namespace mien::study {
 
 /// What a phone taught of one wearer.
-struct PhoneLesson {
+struct LearntFromPhone {
   phone::TimeAlignment alignment;
   tracker::LearntCorrection learnt;
 };
@@ -23,9 +23,9 @@ struct PhoneLesson {
 /// Learns what a live model's answers lack for a take's wearer (tracker::learn_correction) from what a phone
 /// told meanwhile, and stores it in `file` where it helps. `features`: what take_features() gave. `face`:
 /// whose skin counts. Errors: the take's, phone_truth's and learn_correction's.
-[[nodiscard]] Result<PhoneLesson> learn_from_phone(const take::Take& take,
-                                                   std::span<const model::FeatureFrame> features,
-                                                   const PhoneTrack& track, const face::Face& face,
-                                                   model::ModelFile& file, const Progress& progress);
+[[nodiscard]] Result<LearntFromPhone> learn_from_phone(const take::Take& take,
+                                                       std::span<const model::FeatureFrame> features,
+                                                       const PhoneTrack& track, const face::Face& face,
+                                                       model::ModelFile& file, const Progress& progress);
 
 }  // namespace mien::study

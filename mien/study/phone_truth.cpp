@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "mien/face/load_motion.h"
 #include "mien/phone/inner_face.h"
 #include "mien/phone/taps.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/sensor/rig_part.h"
+#include "mien/study/whole_line.h"
 
 namespace mien::study {
 namespace {
@@ -77,17 +80,68 @@ std::vector<Told> longest_stretch(std::vector<Told> all, double& left_out_s) {
   return longest;
 }
 
-/// Arrivals and times of one device over a whole take, as a line under all of them.
-class WholeLine {
- public:
-  explicit WholeLine(Duration span)
-      : clock_({.stretch = std::max<Duration>(std::chrono::seconds(1), span / 60), .max_rate = 500e-6}) {}
-  void add(DeviceTime time, HostTime arrival) { clock_.add(time, arrival); }
-  [[nodiscard]] const sensor::ClockModel& clock() const { return clock_; }
-
- private:
-  sensor::ClockModel clock_;
+/// When a device's packet of this time arrived.
+struct Arrival {
+  DeviceTime time;
+  HostTime arrival;
 };
+
+/// By how much a device's clock is slow against the host's.
+struct Rate {
+  double ppm = 0, sigma_ppm = 0;
+};
+
+/// By the earliest arrival of each of equal pieces of the take, least squares. The residual variance says how
+/// far these scatter, of themselves or because a network's least delay wanders, and so what the rate is
+/// worth.
+std::optional<Rate> rate_of(std::span<const Arrival> arrivals) {
+  // Fewer: each piece's earliest is sharper, but less tells how they scatter
+  // (docs/experiments/phone_truth.md).
+  constexpr std::size_t kPieces = 8, kLeastPieces = 4;
+  struct Point {
+    double at_s = 0, late_s = 0;
+  };
+  if (arrivals.empty()) return std::nullopt;
+  const Arrival& first = arrivals.front();
+  const double length_s = std::max(1.0, to_seconds(arrivals.back().time - first.time));
+  std::array<std::optional<Point>, kPieces> pieces;
+  for (const Arrival& one : arrivals) {
+    const Point point{to_seconds(one.time - first.time),
+                      to_seconds((one.arrival - first.arrival) - (one.time - first.time))};
+    const double place = std::clamp(kPieces * point.at_s / length_s, 0.0, kPieces - 1.0);
+    std::optional<Point>& earliest = pieces[static_cast<std::size_t>(place)];
+    if (!earliest || point.late_s < earliest->late_s) earliest = point;
+  }
+  std::vector<Point> points;
+  for (const std::optional<Point>& earliest : pieces)
+    if (earliest) points.push_back(*earliest);
+  if (points.size() < kLeastPieces) return std::nullopt;
+  const auto count = static_cast<double>(points.size());
+  Point mean;
+  for (const Point& point : points) mean.at_s += point.at_s / count, mean.late_s += point.late_s / count;
+  double square = 0, product = 0, residual = 0;
+  for (const Point& point : points) {
+    square += std::pow(point.at_s - mean.at_s, 2);
+    product += (point.at_s - mean.at_s) * (point.late_s - mean.late_s);
+  }
+  const double slope = product / square;
+  for (const Point& point : points)
+    residual += std::pow(point.late_s - mean.late_s - slope * (point.at_s - mean.at_s), 2);
+  return Rate{1e6 * slope, 1e6 * std::sqrt(residual / (count - 2) / square)};
+}
+
+/// The phone's drift against the reference, in `prior`: by both rates, and by what crystals are like.
+void set_drift(const std::optional<Rate>& phone, const std::optional<Rate>& reference,
+               phone::AlignmentPrior& prior) {
+  if (!phone || !reference) return;
+  // A crystal's rate wanders with its temperature.
+  constexpr double kRateWandersPpm = 1;
+  const double variance = std::pow(std::hypot(phone->sigma_ppm, reference->sigma_ppm, kRateWandersPpm), 2);
+  const double crystals = std::pow(prior.drift_sigma_ppm, 2);
+  const double share = crystals / (crystals + variance);
+  prior.drift_ppm = share * (phone->ppm - reference->ppm);
+  prior.drift_sigma_ppm = std::sqrt(share * variance);
+}
 
 /// Where the phone's first frame stands on the reference's clock, by the earliest arrivals of both.
 std::optional<phone::AlignmentPrior> prior_of(const sensor::Rig& rig,
@@ -97,22 +151,22 @@ std::optional<phone::AlignmentPrior> prior_of(const sensor::Rig& rig,
   if (!reference || samples.empty()) return std::nullopt;
   const Duration span = samples.back().arrival - samples.front().arrival;
   WholeLine phone(span), sensors(span);
-  for (const Told& one : told) phone.add(one.time, one.arrival);
+  std::vector<Arrival> of_phone, of_sensors;
+  for (const Told& one : told) of_phone.push_back({one.time, one.arrival});
   for (const take::StoredSample& stored : samples)
-    if (stored.sample.sensor == *reference) sensors.add(stored.sample.time, stored.arrival);
+    if (stored.sample.sensor == *reference) of_sensors.push_back({stored.sample.time, stored.arrival});
+  for (const Arrival& one : of_phone) phone.add(one.time, one.arrival);
+  for (const Arrival& one : of_sensors) sensors.add(one.time, one.arrival);
   if (!phone.clock().ready() || !sensors.clock().ready()) return std::nullopt;
   // A phone is 60 to 120 ms later than a board, its pictures' processing included.
   constexpr double kPhoneLag_s = 0.09;
-  // How far the least delay of a busy network may wander over a take.
-  constexpr double kDelayWanders_s = 0.002;
   const auto on_line = [&](DeviceTime time) {
     return to_seconds(sensors.clock().to_device(phone.clock().to_host(time)) - begin);
   };
   const DeviceTime first = told.front().time, last = told.back().time;
   const double length_s = std::max(1.0, to_seconds(last - first));
   phone::AlignmentPrior prior;
-  prior.drift_ppm = 1e6 * ((on_line(last) - on_line(first)) / length_s - 1);
-  prior.drift_sigma_ppm = std::hypot(5.0, 1e6 * kDelayWanders_s / length_s);
+  set_drift(rate_of(of_phone), rate_of(of_sensors), prior);
   // Over the whole of it, so that a wrong drift does not count.
   prior.offset_s = 0.5 * (on_line(first) + on_line(last) - length_s) - kPhoneLag_s;
   return prior;
@@ -150,13 +204,18 @@ face::BlendshapeWeights rest_of(std::span<const take::Event> events,
 
 Result<void> align_from_a_guess(std::span<const model::FeatureFrame> features, const PhoneTrack& track,
                                 PhoneTruth& truth) {
-  if (!track.prior)
-    if (const auto tapped = phone::prior_by_taps(features, track.motion))
-      if (auto aligned = phone::align(features, track.motion, tapped)) {
-        truth.alignment = *std::move(aligned);
-        truth.guess = FirstGuess::taps;
-        return {};
-      }
+  const auto begins_with = [&](const std::optional<phone::AlignmentPrior>& prior, FirstGuess guess) {
+    if (!prior) return false;
+    auto aligned = phone::align(features, track.motion, prior);
+    if (!aligned) return false;
+    truth.alignment = *std::move(aligned);
+    truth.guess = guess;
+    return true;
+  };
+  if (!track.prior) {
+    if (track.sound && begins_with(track.sound->prior(), FirstGuess::sound)) return {};
+    if (begins_with(phone::prior_by_taps(features, track.motion), FirstGuess::taps)) return {};
+  }
   MIEN_TRY_ASSIGN(truth.alignment, phone::align(features, track.motion, track.prior));
   truth.guess = track.prior ? FirstGuess::arrivals : FirstGuess::none;
   return {};
@@ -194,7 +253,10 @@ Result<PhoneTrack> phone_track(const sensor::Rig& rig, std::span<const take::Sto
 
 Result<PhoneTrack> phone_track(const std::filesystem::path& csv, std::vector<std::string>* warnings) {
   PhoneTrack track;
-  MIEN_TRY_ASSIGN(track.motion, face::load_motion(csv, warnings));
+  MIEN_TRY_ASSIGN(face::LiveLinkMotion loaded, face::load_livelink(csv));
+  track.motion = std::move(loaded.motion);
+  track.start_s = loaded.start_s;
+  if (warnings != nullptr) *warnings = std::move(loaded.warnings);
   mark_gaps(track.motion);
   return track;
 }
@@ -203,6 +265,10 @@ Result<PhoneTruth> phone_truth(std::span<const take::Event> events,
                                std::span<const model::FeatureFrame> features, const PhoneTrack& track) {
   PhoneTruth truth;
   MIEN_TRY(align_from_a_guess(features, track, truth));
+  if (track.sound) {
+    const phone::TimeAlignment& at = truth.alignment;
+    truth.after_sound_s = at.middle_s - track.sound->at.to_first_s(at.to_phone_s(at.middle_s));
+  }
   const face::MotionCurve curve(track.motion);
   const DeviceTime begin = features.front().time, calibrated = calibrated_at(events, begin);
   for (const model::FeatureFrame& feature : features) {

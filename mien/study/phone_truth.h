@@ -13,6 +13,7 @@
 #include "mien/model/features.h"
 #include "mien/phone/time_alignment.h"
 #include "mien/sensor/rig.h"
+#include "mien/study/sound_guess.h"
 #include "mien/take/take.h"
 #include "mien/tracker/learn_correction.h"
 
@@ -25,6 +26,8 @@ struct PhoneTrack {
   face::Motion motion;
   DeviceTime begin;  ///< Its first frame, on the phone's clock; a file's counts from there.
   std::optional<phone::AlignmentPrior> prior;  ///< By arrivals; none from a file.
+  std::optional<double> start_s;               ///< A file's first time code, s after 00:00:00:00.
+  std::optional<SoundGuess> sound;  ///< By its film's sound, where somebody compared that with the take's.
   /// What was left out because the phone's clock jumped: all but the longest stretch between jumps, s.
   double left_out_s = 0;
 };
@@ -45,6 +48,7 @@ inline constexpr double kLongestPhoneGapS = 0.15;
 enum class FirstGuess : std::uint8_t {
   none,      ///< Every offset was tried.
   arrivals,  ///< When the phone's packets and the sensors' came.
+  sound,     ///< What its film and the take's microphone heard (guess_by_sound).
   taps,      ///< Three on the chin, which both saw (phone::prior_by_taps).
 };
 
@@ -52,6 +56,8 @@ enum class FirstGuess : std::uint8_t {
 struct PhoneTruth {
   phone::TimeAlignment alignment;
   FirstGuess guess = FirstGuess::none;
+  /// By how much the motion is later than the track's sound has it, s: a phone's lag, less a microphone's.
+  std::optional<double> after_sound_s;
   /// One a tick. `evaluated`: with a face, and after the calibration. Weights are what the phone told, less
   /// what it told of the neutral hold, 0 to 1.
   std::vector<take::TruthFrame> frames;
@@ -60,7 +66,8 @@ struct PhoneTruth {
 };
 
 /// Aligns the track with a session's features (phone::align) and reads it at their times. A track without a
-/// prior is aligned by taps first, where both saw some; where that is refused, every offset is tried.
+/// prior is aligned by its sound first, then by taps, where there is such; where these are refused, every
+/// offset is tried.
 /// `events`: the session's, of which the calibration's steps count. `features`: what take_features() gave.
 /// Errors: phone::align's.
 [[nodiscard]] Result<PhoneTruth> phone_truth(std::span<const take::Event> events,

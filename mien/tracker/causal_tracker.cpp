@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "mien/model/network_correction.h"
 #include "mien/model/schedule.h"
 
 namespace mien::tracker {
@@ -20,8 +21,12 @@ CausalTracker::CausalTracker(model::ModelFile file, model::CausalNetwork network
 
 void CausalTracker::use_correction(const model::Correction* correction) {
   if (correction == nullptr && file_.correction) correction = &*file_.correction;
-  correction_.reset();
-  if (correction != nullptr) correction_.emplace(*correction);
+  corrected_ = correction != nullptr;
+  network_.correct(correction);
+}
+
+Result<void> CausalTracker::check_correction(const model::Correction& correction) const {
+  return model::check_correction(correction, file_.architecture, file_.network, "session");
 }
 
 void CausalTracker::use_wearer(const std::vector<float>& slopes) {
@@ -33,7 +38,6 @@ void CausalTracker::use_wearer(const std::vector<float>& slopes) {
 void CausalTracker::reset() {
   state_.reset();
   jitter_filter_.reset();
-  if (correction_) correction_->history.reset();
 }
 
 Result<CausalTracker> CausalTracker::create(model::ModelFile file,
@@ -56,7 +60,6 @@ void CausalTracker::step(const model::FeatureFrame& features, face::OutputFrame&
   network_.step(condition_, state_, answer_);
   std::ranges::transform(answer_, out.weights.values.begin(), model::from_network);
   jitter_filter_.apply(out.weights);
-  if (correction_) correction_->correction.apply(correction_->history, out.weights);
   explained_ = writer_.write(features, input_, out);
 }
 

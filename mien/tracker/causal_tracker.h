@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +9,6 @@
 #include "mien/model/causal_network.h"
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
-#include "mien/tracker/answer_correction.h"
 #include "mien/tracker/frame_model.h"
 #include "mien/tracker/frame_writer.h"
 #include "mien/tracker/jitter_filter.h"
@@ -33,8 +31,8 @@ class CausalTracker final : public FrameModel {
                                                     const std::vector<std::string>& face_sensor_names,
                                                     model::Precision precision = kLivePrecision);
 
-  /// The next frame, 1/60 s after the last; fields as FrameWriter fills them, weights through JitterFilter
-  /// and the wearer's correction. No allocation; about 25 us with the default model. The same frames after a
+  /// The next frame, 1/60 s after the last; fields as FrameWriter fills them, weights as corrected for the
+  /// wearer, through JitterFilter. No allocation; about 25 us with the default model. The same frames after a
   /// reset give the same bits on one CPU family and build.
   void step(const model::FeatureFrame& features, face::OutputFrame& out) override;
 
@@ -44,10 +42,10 @@ class CausalTracker final : public FrameModel {
   [[nodiscard]] const Explained* explained() const override { return &explained_; }
   /// None either where answers are corrected: a correction belongs to the skin that it was learnt with.
   [[nodiscard]] const model::ModelFile* personal() const override {
-    return file_.skin && !correction_ ? &file_ : nullptr;
+    return file_.skin && !corrected_ ? &file_ : nullptr;
   }
   void use_wearer(const std::vector<float>& slopes) override;
-  [[nodiscard]] bool corrects() const override { return true; }
+  [[nodiscard]] Result<void> check_correction(const model::Correction& correction) const override;
   void use_correction(const model::Correction* correction) override;
 
   [[nodiscard]] const model::ModelFile& file() const { return file_; }
@@ -65,12 +63,7 @@ class CausalTracker final : public FrameModel {
   std::array<float, face::kShapeCount> answer_{};
   FrameWriter writer_;
   JitterFilter jitter_filter_;
-  struct Corrected {
-    explicit Corrected(const model::Correction& made) : correction(made), history(correction) {}
-    AnswerCorrection correction;
-    AnswerCorrection::History history;
-  };
-  std::optional<Corrected> correction_;
+  bool corrected_ = false;
   Explained explained_{};
 };
 

@@ -21,9 +21,6 @@ Crowd::Crowd(const model::ModelFile& file, model::CausalNetwork network,
       answers_(kTogether * face::kShapeCount) {
   states_.reserve(performers);
   for (std::size_t p = 0; p < performers; ++p) states_.emplace_back(network_);
-  if (!file.correction) return;
-  correction_.emplace(*file.correction);
-  histories_.assign(performers, AnswerCorrection::History(*correction_));
 }
 
 Result<Crowd> Crowd::create(const model::ModelFile& file, const std::vector<std::string>& face_sensor_names,
@@ -32,6 +29,7 @@ Result<Crowd> Crowd::create(const model::ModelFile& file, const std::vector<std:
   MIEN_TRY(CausalTracker::create(file, face_sensor_names, precision));
   MIEN_TRY_ASSIGN(model::CausalNetwork network,
                   model::CausalNetwork::create(file.architecture, file.network, precision));
+  if (file.correction) network.correct(&*file.correction);
   return Crowd(file, std::move(network), face_sensor_names, performers);
 }
 
@@ -57,7 +55,6 @@ void Crowd::step_together(std::span<const std::size_t> due, std::span<const mode
     std::ranges::transform(std::span(answers_).subspan(i * face::kShapeCount, face::kShapeCount),
                            out[i].weights.values.begin(), model::from_network);
     jitter_filters_[due[i]].apply(out[i].weights);
-    if (correction_) correction_->apply(histories_[due[i]], out[i].weights);
     writer_.write(features[i], inputs_[i], out[i]);
   }
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,7 +10,6 @@
 #include "mien/model/causal_network.h"
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
-#include "mien/tracker/answer_correction.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/frame_writer.h"
 #include "mien/tracker/jitter_filter.h"
@@ -39,7 +37,6 @@ class Crowd {
   void reset(std::size_t performer) {
     states_[performer].reset();
     jitter_filters_[performer].reset();
-    if (correction_) histories_[performer].reset();
   }
 
   [[nodiscard]] std::size_t performers() const { return states_.size(); }
@@ -58,8 +55,6 @@ class Crowd {
   FrameWriter writer_;
   std::vector<model::CausalNetwork::State> states_;
   std::vector<JitterFilter> jitter_filters_;
-  std::optional<AnswerCorrection> correction_;
-  std::vector<AnswerCorrection::History> histories_;  // Empty without a correction.
   // Of the batch in progress:
   model::CausalNetwork::Workspace workspace_;
   std::vector<ModelInput> inputs_;

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "mien/core/error.h"
 #include "mien/face/output_frame.h"
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
@@ -29,9 +30,15 @@ class FrameModel {
   /// file came with. Only where personal() is something, and of its skin's size.
   virtual void use_wearer([[maybe_unused]] const std::vector<float>& slopes) {}
 
-  /// Whether its answers can be corrected for a wearer (learn_correction()).
-  [[nodiscard]] virtual bool corrects() const { return false; }
-  /// From now on they are, by this; none: by what its file came with. Only where corrects().
+  /// Whether this, learnt for a wearer (learn_correction()), belongs to its network. Errors: unsupported (its
+  /// answers are not corrected), mismatch (it was learnt for another network).
+  [[nodiscard]] virtual Result<void> check_correction(
+      [[maybe_unused]] const model::Correction& correction) const {
+    return fail(ErrorCode::unsupported, "nothing here is corrected for its wearer", "session",
+                "use a live model, such as models/live.safetensors");
+  }
+  /// Its answers are corrected by this from now on; none: by what its file came with. Only what
+  /// check_correction() allows.
   virtual void use_correction([[maybe_unused]] const model::Correction* correction) {}
 };
 

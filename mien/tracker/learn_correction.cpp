@@ -12,7 +12,10 @@
 
 #include "mien/core/random.h"
 #include "mien/core/time.h"
+#include "mien/model/causal_network.h"
+#include "mien/model/network_correction.h"
 #include "mien/tracker/causal_tracker.h"
+#include "mien/tracker/model_input.h"
 #include "mien/tracker/worn_anew.h"
 
 namespace mien::tracker {
@@ -21,24 +24,21 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Of this frame, and of a twentieth and about a seventh of a second ago.
-constexpr std::array<std::size_t, 3> kLags = {0, 3, 9};
 constexpr auto kAnswers = static_cast<Index>(face::kShapeCount);
-constexpr Index kInputs = static_cast<Index>(kLags.size()) * kAnswers;
-/// How often the performance is worn anew. More cost time and change little.
-constexpr std::size_t kWearings = 12;
+/// How often the performance is worn anew. More cost time and change little; half as many cost a tenth of the
+/// gain.
+constexpr std::size_t kWearings = 24;
 /// Stretches of the cross-validation. Neighbouring frames are alike, so a stretch is held out as one ...
 constexpr std::size_t kStretches = 8;
-/// ... of which one frame in so many is judged, and no more than these are learnt from: five minutes' worth.
-constexpr std::size_t kJudgedEvery = 3;
-constexpr std::size_t kMostFrames = 18'000;
-/// Candidate weights of the prior, a share of the frames that are learnt from.
-constexpr std::array kRidges = {1e-2, 3e-2, 1e-1, 3e-1, 1.0, 3.0, 10.0};
-/// Of that, what is an ordinary ridge on inputs of unit variance; the rest is the general face's.
-constexpr double kRidge = 0.3;
-/// An input of a shape that hardly moves is not made large: added to its standard deviation.
-constexpr double kScaleFloor = 1e-2;
+/// ... of which one frame in so many is judged, and no more than these are learnt from, evenly spread: they
+/// are as good as all, and five minutes are learnt in half a minute.
+constexpr std::size_t kJudgedEvery = 4;
+constexpr std::size_t kMostFrames = 4'500;
+/// Candidate penalties of the ridge, a share of the mean square of the inputs: one for all of them, since a
+/// hidden unit that hardly moves is hardly heard by the output layer either.
+constexpr std::array kRidges = {0.3, 1.0, 3.0, 10.0, 30.0};
 /// A frame counts by the reciprocal of its skin's error and so much, mm: then it is the mean error that
 /// becomes least, and not that of the widest expressions.
 constexpr double kUsualError_mm = 0.3;
@@ -48,55 +48,34 @@ constexpr double kGainGivenUp = 0.1;
 /// A shape's error must become smaller by this share, and by so many standard errors of its mean over the
 /// stretches: what one stretch alone taught, the next one unlearns.
 constexpr double kLeastGain = 0.02, kSure = 1.5;
-
-using Answers = std::vector<face::BlendshapeWeights>;
+/// Rows that are added to a regression's sums at once.
+constexpr Index kBlock = 256;
 
 /// Weighted sums of a regression.
 struct Sums {
-  MatrixXd inputs = MatrixXd::Zero(kInputs, kInputs);
-  MatrixXd cross = MatrixXd::Zero(kInputs, kAnswers);
-  VectorXd squares = VectorXd::Zero(kInputs);  // Of the inputs, unweighted.
-  double weight = 0, frames = 0;
+  MatrixXd inputs, cross;  // Of the former the lower triangle.
+  double weight = 0;       // Of the rows.
 
+  explicit Sums(Index width) : inputs(MatrixXd::Zero(width, width)), cross(MatrixXd::Zero(width, kAnswers)) {}
   void add(const MatrixXd& more_inputs, const MatrixXd& residuals, const VectorXd& weights) {
-    const MatrixXd weighted = weights.asDiagonal() * more_inputs;
-    inputs.noalias() += weighted.transpose() * more_inputs;
-    cross.noalias() += weighted.transpose() * residuals;
-    squares += more_inputs.colwise().squaredNorm().transpose();
+    const VectorXd roots = weights.cwiseSqrt();
+    const MatrixXd weighted = roots.asDiagonal() * more_inputs;
+    inputs.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
+    cross.noalias() += weighted.transpose() * (roots.asDiagonal() * residuals);
     weight += weights.sum();
-    frames += static_cast<double>(more_inputs.rows());
   }
   void add(const Sums& other, double sign = 1) {
     inputs += sign * other.inputs;
     cross += sign * other.cross;
-    squares += sign * other.squares;
     weight += sign * other.weight;
-    frames += sign * other.frames;
   }
 };
 
-/// From inputs to residuals. `prior`: second moment of the inputs over which the residuals are to be nothing,
-/// as heavy as `penalty` times the frames that are learnt from.
-MatrixXd ridge_map(const Sums& sums, const MatrixXd& prior, double penalty) {
-  return (sums.inputs / sums.weight + penalty * prior).ldlt().solve(sums.cross / sums.weight);
-}
-
-/// Second moment of answers of now and before over people in general: of the training set's weights, where
-/// the model knows it (Skin::covariance). A face changes little in three frames, and more in nine.
-MatrixXd general_inputs(const model::ModelFile& file) {
-  MatrixXd out = MatrixXd::Zero(kInputs, kInputs);
-  if (!file.skin) return out;
-  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const MatrixXd covariance =
-      Eigen::Map<const RowMajor>(file.skin->covariance.data(), kAnswers, kAnswers).cast<double>();
-  const VectorXd mean = Eigen::Map<const Eigen::VectorXf>(file.mean_pose.data(), kAnswers).cast<double>();
-  // Correlations of a weight with itself over the lags; usual of speech.
-  constexpr double kAlike[3][3] = {{1, 0.95, 0.8}, {0.95, 1, 0.9}, {0.8, 0.9, 1}};
-  for (std::size_t a = 0; a < kLags.size(); ++a)
-    for (std::size_t b = 0; b < kLags.size(); ++b)
-      out.block(static_cast<Index>(a) * kAnswers, static_cast<Index>(b) * kAnswers, kAnswers, kAnswers) =
-          kAlike[a][b] * covariance + mean * mean.transpose();
-  return out;
+/// From inputs to residuals. `penalty`: a share of the inputs' mean square.
+MatrixXd ridge_map(const Sums& sums, double penalty) {
+  MatrixXd moments = sums.inputs / sums.weight;
+  moments.diagonal().array() += penalty * moments.diagonal().mean();
+  return moments.selfadjointView<Eigen::Lower>().ldlt().solve(sums.cross / sums.weight);
 }
 
 /// What two shapes together move: sum over the vertices of the dot product, over their number, mm^2.
@@ -140,49 +119,77 @@ bool is_gain(const Eigen::RowVectorXd& gains, double before) {
   return mean > kLeastGain * before && mean > kSure * deviation / std::sqrt(count);
 }
 
-/// The frames that are learnt from, stretch after stretch, and what the model answers in every wearing.
+/// Where a frame that is learnt from belongs.
+struct Place {
+  std::size_t stretch = 0;
+  bool judged = false;
+};
+
+/// Of each frame that is learnt from, its stretch; none of those that are not known, or spared.
+std::vector<std::optional<Place>> places_of(std::span<const TaughtFrame> taught) {
+  const auto known = static_cast<std::size_t>(std::ranges::count_if(taught, &TaughtFrame::known));
+  const std::size_t every = known / kMostFrames + 1;
+  std::vector<std::optional<Place>> places(taught.size());
+  std::size_t seen = 0;
+  for (std::size_t f = 0; f < taught.size(); ++f) {
+    if (!taught[f].known) continue;
+    const std::size_t i = seen++;
+    if (i % every == 0) places[f] = Place{i * kStretches / known, i / every % kJudgedEvery == 0};
+  }
+  return places;
+}
+
+/// Inputs and residuals of all wearings in the frames that are learnt from. An input is what the output layer
+/// reads, and 1; a residual is what was taught less the answer, a weight each.
 class Lessons {
  public:
-  Lessons(std::span<const TaughtFrame> taught, MatrixXd metric, MatrixXd general)
-      : taught_(taught), metric_(std::move(metric)), general_(std::move(general)) {
-    std::vector<std::size_t> known;
-    for (std::size_t f = 0; f < taught.size(); ++f)
-      if (taught[f].known) known.push_back(f);
-    const std::size_t every = known.size() / kMostFrames + 1;
-    for (std::size_t i = 0; i < known.size(); i += every)
-      frames_[i * kStretches / known.size()].push_back(known[i]);
-  }
+  /// `wearings`: how often each frame comes; the first is as the sensors were worn.
+  Lessons(MatrixXd metric, Index width, std::size_t wearings)
+      : metric_(std::move(metric)), wearings_(static_cast<Index>(wearings)), sums_(kStretches, Sums(width)) {}
 
-  /// One more wearing; the first is as the sensors were worn.
-  void add(const Answers& answers) {
-    for (std::size_t s = 0; s < kStretches; ++s) {
-      const MatrixXd residuals = residuals_of(answers, frames_[s]);
-      const VectorXd weights = (skin_errors(residuals, metric_).array() + kUsualError_mm).inverse().matrix();
-      sums_[s].add(inputs_of(answers, frames_[s]), residuals, weights);
+  /// One frame of all wearings, a row each.
+  void add(const Place& place, const Rows& inputs, const Rows& residuals) {
+    if (place.stretch != stretch_ || rows_ + inputs.rows() > block_inputs_.rows()) flush();
+    stretch_ = place.stretch;
+    if (block_inputs_.rows() == 0) {
+      const Index rows = std::max(kBlock, inputs.rows());
+      block_inputs_.resize(rows, inputs.cols());
+      block_residuals_.resize(rows, kAnswers);
     }
-    wearings_.push_back(answers);
+    block_inputs_.middleRows(rows_, inputs.rows()) = inputs.cast<double>();
+    block_residuals_.middleRows(rows_, inputs.rows()) = residuals.cast<double>();
+    rows_ += inputs.rows();
+    if (!place.judged) return;
+    std::vector<float>& kept = judged_inputs_[stretch_];
+    kept.insert(kept.end(), inputs.data(), inputs.data() + inputs.size());
+    std::vector<float>& left = judged_residuals_[stretch_];
+    left.insert(left.end(), residuals.data(), residuals.data() + residuals.size());
   }
+  /// All have been added.
+  void end() { flush(); }
 
   [[nodiscard]] MatrixXd fitted(double penalty) const { return fitted_without(kStretches, penalty); }
-  /// Held-out errors of the first `wearings`, with this ridge; none: of the answers as they are. Shapes that
-  /// are not corrected are named.
-  [[nodiscard]] Judgement judged(std::optional<double> penalty, std::size_t wearings,
+  /// Held-out errors with this ridge; none: of the answers as they are. As worn: of the first wearing alone.
+  /// Shapes that are not corrected are named.
+  [[nodiscard]] Judgement judged(std::optional<double> penalty, bool as_worn,
                                  const std::vector<Index>& uncorrected = {}) const {
     Judgement out;
     double count = 0;
     for (std::size_t s = 0; s < kStretches; ++s) {
-      MatrixXd map = penalty ? fitted_without(s, *penalty) : MatrixXd();
-      if (penalty)
+      const auto rows = static_cast<Index>(judged_residuals_[s].size()) / kAnswers;
+      const Eigen::Map<const Rows> residuals(judged_residuals_[s].data(), rows, kAnswers);
+      Rows left = residuals;
+      if (penalty) {
+        MatrixXd map = fitted_without(s, *penalty);
         for (const Index k : uncorrected) map.col(k).setZero();
-      std::vector<std::size_t> frames;
-      for (std::size_t i = 0; i < frames_[s].size(); i += kJudgedEvery) frames.push_back(frames_[s][i]);
-      for (std::size_t w = 0; w < wearings; ++w) {
-        MatrixXd residuals = residuals_of(wearings_[w], frames);
-        if (penalty) residuals.noalias() -= inputs_of(wearings_[w], frames) * map;
-        out.skin_mm += skin_errors(residuals, metric_).sum();
-        out.by_stretch.col(static_cast<Index>(s)) += residuals.colwise().squaredNorm().transpose();
-        count += static_cast<double>(residuals.rows());
+        left.noalias() -=
+            Eigen::Map<const Rows>(judged_inputs_[s].data(), rows, map.rows()) * map.cast<float>();
       }
+      const MatrixXd counted =
+          left(Eigen::seq(0, rows - 1, as_worn ? wearings_ : 1), Eigen::all).cast<double>();
+      out.skin_mm += skin_errors(counted, metric_).sum();
+      out.by_stretch.col(static_cast<Index>(s)) = counted.colwise().squaredNorm().transpose();
+      count += static_cast<double>(counted.rows());
     }
     out.skin_mm /= count;
     // Stretches are of one length.
@@ -190,43 +197,103 @@ class Lessons {
     out.squares = out.by_stretch.rowwise().mean();
     return out;
   }
-  [[nodiscard]] std::size_t wearings() const { return wearings_.size(); }
 
  private:
-  [[nodiscard]] MatrixXd residuals_of(const Answers& answers, std::span<const std::size_t> frames) const {
-    MatrixXd out(static_cast<Index>(frames.size()), kAnswers);
-    for (std::size_t row = 0; row < frames.size(); ++row)
-      for (std::size_t k = 0; k < face::kShapeCount; ++k)
-        out(static_cast<Index>(row), static_cast<Index>(k)) =
-            double{taught_[frames[row]].weights[k]} - double{answers[frames[row]][k]};
-    return out;
-  }
-  [[nodiscard]] static MatrixXd inputs_of(const Answers& answers, std::span<const std::size_t> frames) {
-    MatrixXd out(static_cast<Index>(frames.size()), kInputs);
-    for (std::size_t row = 0; row < frames.size(); ++row)
-      for (std::size_t l = 0; l < kLags.size(); ++l) {
-        const face::BlendshapeWeights& answer = answers[frames[row] - std::min(frames[row], kLags[l])];
-        for (std::size_t k = 0; k < face::kShapeCount; ++k)
-          out(static_cast<Index>(row), static_cast<Index>(l * face::kShapeCount + k)) = double{answer[k]};
-      }
-    return out;
+  void flush() {
+    if (rows_ == 0) return;
+    const MatrixXd residuals = block_residuals_.topRows(rows_);
+    const VectorXd weights = (skin_errors(residuals, metric_).array() + kUsualError_mm).inverse().matrix();
+    sums_[stretch_].add(block_inputs_.topRows(rows_), residuals, weights);
+    rows_ = 0;
   }
   [[nodiscard]] MatrixXd fitted_without(std::size_t stretch, double penalty) const {
-    Sums sums;
+    Sums sums(sums_.front().inputs.rows());
     for (const Sums& one : sums_) sums.add(one);
-    MatrixXd prior = general_;
-    prior.diagonal() +=
-        kRidge * ((sums.squares / sums.frames).cwiseSqrt().array() + kScaleFloor).square().matrix();
     if (stretch < kStretches) sums.add(sums_[stretch], -1);
-    return ridge_map(sums, prior, penalty);
+    return ridge_map(sums, penalty);
   }
 
-  std::span<const TaughtFrame> taught_;
-  MatrixXd metric_, general_;
-  std::array<std::vector<std::size_t>, kStretches> frames_;
-  std::array<Sums, kStretches> sums_;
-  std::vector<Answers> wearings_;
+  MatrixXd metric_;
+  Index wearings_;
+  std::vector<Sums> sums_;                                                       // A stretch each.
+  std::array<std::vector<float>, kStretches> judged_inputs_, judged_residuals_;  // Row after row.
+  std::size_t stretch_ = 0;
+  MatrixXd block_inputs_, block_residuals_;
+  Index rows_ = 0;  // In the block.
 };
+
+/// What was taught less what was answered; nothing where both are at the same end, beyond which weights do
+/// not go.
+float residual(float taught, float answer) {
+  return (taught <= 0 && answer < 0) || (taught >= 1 && answer > 1) ? 0 : taught - answer;
+}
+
+/// Lets the network see the performance in every wearing at once, and gathers what it lacks. False: stopped.
+bool gather(std::span<const model::FeatureFrame> features, std::span<const TaughtFrame> taught,
+            const model::CausalNetwork& network, const ModelInput& input, std::size_t sensors,
+            Lessons& lessons, const Progress& progress) {
+  const std::size_t wearings = 1 + sensors + kWearings;
+  const auto rows = static_cast<Index>(wearings);
+  const auto width = static_cast<Index>(network.architecture().d_model);
+  std::vector<WornAnew> anew;
+  for (std::size_t w = 1 + sensors; w < wearings; ++w)
+    anew.emplace_back(sensors, WearingSpread{}, Random(1).fork("worn anew", w));
+  std::vector<ModelInput> encoders(wearings, input);
+  std::vector<model::CausalNetwork::State> states;
+  for (std::size_t w = 0; w < wearings; ++w) states.emplace_back(network);
+  std::vector<model::CausalNetwork::State*> together;
+  for (model::CausalNetwork::State& state : states) together.push_back(&state);
+  model::CausalNetwork::Workspace workspace(network, wearings);
+  Rows conditions(rows, static_cast<Index>(network.architecture().condition));
+  Rows answers(rows, kAnswers), inputs(rows, width + 1), residuals(rows, kAnswers);
+  inputs.rightCols(1).setOnes();
+  const std::vector<std::optional<Place>> places = places_of(taught);
+  const auto row_of = [](Rows& matrix, std::size_t row) {
+    return std::span(matrix.row(static_cast<Index>(row)).data(), static_cast<std::size_t>(matrix.cols()));
+  };
+  constexpr std::size_t kAsked = 64;  // Frames between two questions whether to go on.
+  model::FeatureFrame worn;
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    if (f % kAsked == 0 &&
+        !progress(0.9 * static_cast<double>(f) / static_cast<double>(features.size()), "wearing anew"))
+      return false;
+    for (std::size_t w = 0; w < wearings; ++w) {
+      worn = features[f];
+      if (w > sensors)
+        anew[w - 1 - sensors].apply(worn);
+      else if (w > 0)
+        worn.sensors[w - 1] = {};
+      encoders[w].encode(worn, row_of(conditions, w));
+    }
+    network.step({conditions.data(), static_cast<std::size_t>(conditions.size())}, together, workspace,
+                 {answers.data(), static_cast<std::size_t>(answers.size())});
+    if (!places[f]) continue;
+    for (std::size_t w = 0; w < wearings; ++w) {
+      std::ranges::copy(workspace.hidden(w), row_of(inputs, w).begin());
+      for (Index k = 0; k < kAnswers; ++k) {
+        const auto row = static_cast<Index>(w);
+        residuals(row, k) =
+            residual(taught[f].weights[static_cast<std::size_t>(k)], 0.5F * (answers(row, k) + 1));
+      }
+    }
+    lessons.add(*places[f], inputs, residuals);
+  }
+  lessons.end();
+  return true;
+}
+
+/// The map as a network's output layer has it: outputs are nominally in [-1, 1], twice as wide as weights.
+model::Correction correction_of(const MatrixXd& map, const model::ModelFile& file) {
+  const Rows rows =
+      (2 * map.transpose()).cast<float>().cwiseMax(-model::kMostCorrection).cwiseMin(model::kMostCorrection);
+  model::Correction correction{.network = model::correction_key(file.network), .weights = {}, .bias = {}};
+  for (Index k = 0; k < rows.rows(); ++k) {
+    const float* row = rows.row(k).data();
+    correction.weights.insert(correction.weights.end(), row, row + rows.cols() - 1);
+    correction.bias.push_back(rows(k, rows.cols() - 1));
+  }
+  return correction;
+}
 
 }  // namespace
 
@@ -247,39 +314,25 @@ Result<LearntCorrection> learn_correction(std::span<const model::FeatureFrame> f
                 fmt::format("record {:.0f} s or more, two minutes for what is possible", kLeastTaughtS));
   model::ModelFile bare = file;
   bare.correction.reset();
-  MIEN_TRY_ASSIGN(CausalTracker tracker, CausalTracker::create(bare, rig_sensors));
+  // Its checks hold here too.
+  MIEN_TRY_ASSIGN(const CausalTracker tracker, CausalTracker::create(std::move(bare), rig_sensors));
 
-  Lessons lessons(taught, skin_metric(face), general_inputs(file));
-  const std::size_t sensors = rig_sensors.size(), rounds = 1 + sensors + kWearings;
-  Answers answers(features.size());
-  face::OutputFrame frame;
-  model::FeatureFrame worn;
-  for (std::size_t round = 0; round < rounds; ++round) {
-    if (!progress(0.7 * static_cast<double>(round) / static_cast<double>(rounds), "wearing anew"))
-      return fail(ErrorCode::cancelled, "stopped while learning");
-    WornAnew anew(sensors, {}, Random(1).fork("worn anew", round));
-    tracker.reset();
-    for (std::size_t f = 0; f < features.size(); ++f) {
-      worn = features[f];
-      if (round > sensors)
-        anew.apply(worn);
-      else if (round > 0)
-        worn.sensors[round - 1] = {};
-      tracker.step(worn, frame);
-      answers[f] = frame.weights;
-    }
-    lessons.add(answers);
-  }
+  const std::size_t sensors = rig_sensors.size();
+  Lessons lessons(skin_metric(face), static_cast<Index>(file.architecture.d_model) + 1,
+                  1 + sensors + kWearings);
+  const auto stopped = [] { return fail(ErrorCode::cancelled, "stopped while learning"); };
+  if (!gather(features, taught, tracker.network(), ModelInput(tracker.file(), rig_sensors), sensors, lessons,
+              progress))
+    return stopped();
 
-  const Judgement before = lessons.judged(std::nullopt, lessons.wearings());
+  const Judgement before = lessons.judged(std::nullopt, false);
   // Each candidate's held-out error, weights' and skin's alike, as shares of the answers' own: 2 is no gain.
   // A face none of whose shapes moves a vertex is judged by the weights alone.
   std::array<Judgement, kRidges.size()> judgements;
   std::array<double, kRidges.size()> scores{};
   for (std::size_t c = 0; c < kRidges.size(); ++c) {
-    if (!progress(0.7 + 0.3 * static_cast<double>(c) / kRidges.size(), "learning"))
-      return fail(ErrorCode::cancelled, "stopped while learning");
-    judgements[c] = lessons.judged(kRidges[c], lessons.wearings());
+    if (!progress(0.9 + 0.1 * static_cast<double>(c) / kRidges.size(), "learning")) return stopped();
+    judgements[c] = lessons.judged(kRidges[c], false);
     scores[c] = judgements[c].mse() / std::max(1e-12, before.mse()) +
                 judgements[c].skin_mm / std::max(1e-12, before.skin_mm);
   }
@@ -292,8 +345,8 @@ Result<LearntCorrection> learn_correction(std::span<const model::FeatureFrame> f
     if (!is_gain(before.by_stretch.row(k) - judgements[chosen].by_stretch.row(k), before.squares[k]))
       uncorrected.push_back(k);
   report.shapes = face::kShapeCount - uncorrected.size();
-  const Judgement as_worn = lessons.judged(std::nullopt, 1),
-                  corrected = lessons.judged(penalty, 1, uncorrected);
+  const Judgement as_worn = lessons.judged(std::nullopt, true),
+                  corrected = lessons.judged(penalty, true, uncorrected);
   report.mse_before = as_worn.mse();
   report.mse_after = corrected.mse();
   report.skin_before_mm = as_worn.skin_mm;
@@ -303,11 +356,7 @@ Result<LearntCorrection> learn_correction(std::span<const model::FeatureFrame> f
   if (!report.taken) return report;
   MatrixXd map = lessons.fitted(penalty);
   for (const Index k : uncorrected) map.col(k).setZero();
-  const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows =
-      map.transpose().cast<float>().cwiseMax(-model::kMostCorrection).cwiseMin(model::kMostCorrection);
-  model::Correction& correction = file.correction.emplace();
-  correction.lags.assign(kLags.begin(), kLags.end());
-  correction.weights.assign(rows.data(), rows.data() + rows.size());
+  file.correction = correction_of(map, file);
   progress(1, "learnt");
   return report;
 }

@@ -34,17 +34,16 @@ struct LearntCorrection {
 inline constexpr double kLeastTaughtS = 10;
 
 /// Learns what a live model's answers lack for one wearer (model::Correction), and stores it in `file`: a
-/// ridge regression of what was taught less the answer, on the answers of now and two frames before. So that
-/// it survives another day and a lost sensor, it is fitted to the answers that the model gives to the same
-/// performance with each sensor missing in turn and with all worn anew (WornAnew) as well. Ridge by
-/// cross-validation over eight stretches, by the weights' error and the skin's alike; a shape is corrected
-/// where that makes its own error smaller. What is in the file already is not built upon. Method:
-/// docs/method/phone_truth.md.
+/// ridge regression of what was taught less the answer, on what the network's output layer reads. So that it
+/// survives another day and a lost sensor, it is fitted to what the network sees of the same performance with
+/// each sensor missing in turn and with all worn anew (WornAnew) as well. Ridge by cross-validation over
+/// eight stretches, by the weights' error and the skin's alike; a shape is corrected where that makes its own
+/// error smaller. What is in the file already is not built upon. Method: docs/method/phone_truth.md.
 ///
 /// Shapes: `taught` one a frame of features; `features` as a take gives them, one a sixtieth of a second;
-/// `rig_sensors`: names of their entries. `face`: whose skin counts. Cost: about 5 s of one core for two
-/// minutes. Errors: unsupported (a model that is not causal), not_found (less than kLeastTaughtS known),
-/// mismatch (as CausalTracker::create), cancelled.
+/// `rig_sensors`: names of their entries. `face`: whose skin counts. Cost: 13 s of one core and 60 MB
+/// for two minutes. Errors: unsupported (a model that is not causal), not_found (less than kLeastTaughtS
+/// known), mismatch (as CausalTracker::create), cancelled.
 [[nodiscard]] Result<LearntCorrection> learn_correction(std::span<const model::FeatureFrame> features,
                                                         std::span<const TaughtFrame> taught,
                                                         const std::vector<std::string>& rig_sensors,

@@ -3,10 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
 
+#include "mien/core/files.h"
+#include "mien/core/random.h"
+#include "mien/core/time.h"
+#include "mien/core/wav.h"
+#include "mien/take/take.h"
 #include "tests/app/program.h"
 
 namespace mien::app::test::align_test {
@@ -70,6 +79,116 @@ TEST_F(AlignProgram, ReadsTheCalibratedFileBesideTheOneThatIsNamed) {
   EXPECT_THAT(refused({"align", take, calibrated}), HasSubstr("slate_cal.csv"));
   EXPECT_EQ(run({"align", take, named}).status, 2);
   EXPECT_EQ(run({"align", take, named, "--raw"}).status, 0);
+}
+
+/// A phone's file and its film: what the take's phone told and heard from `from_s` on, by the sensors' time.
+class PhonesFiles {
+ public:
+  PhonesFiles(const Folder& folder, double from_s) : folder_(folder) {
+    const std::string take = folder / "take.mien";
+    if (run({"align", take, "--out", folder / "whole.csv"}).status != 0) return;
+    std::istringstream whole(content(folder / "whole.csv"));
+    std::string rows, line;
+    for (double row = -1; std::getline(whole, line); ++row)
+      if (row < 0 || row / 60 >= from_s) rows += line + '\n';
+    write(csv(), rows);
+    const auto recorded = take::Take::open(take).value();
+    const take::Audio audio = recorded.audio().value().value();
+    const double later_s = to_seconds(audio.start - recorded.ticks().value().front().frame) - from_s;
+    Random random(1);
+    sound_.rate_hz = static_cast<std::uint32_t>(audio.rate_hz);
+    const auto before = static_cast<std::ptrdiff_t>(std::lround(later_s * audio.rate_hz));
+    for (std::ptrdiff_t i = -before; i < static_cast<std::ptrdiff_t>(audio.samples.size()); ++i)
+      sound_.samples.push_back(static_cast<float>(
+          (i < 0 ? 0 : 0.3 * double{audio.samples[static_cast<std::size_t>(i)]}) + random.normal(0, 0.005)));
+  }
+  [[nodiscard]] std::string csv() const { return folder_ / "Slate_1.csv"; }
+  /// With pictures, beside the file.
+  [[nodiscard]] std::string film(const Sound& sound) const {
+    EXPECT_TRUE(write_file(folder_ / "film.wav", format_wav(sound)));
+    const std::string film = folder_ / "Slate_1.mov";
+    const int pictures = static_cast<int>(30 * sound.duration_s()) + 1;
+    const std::string command = "head -c " + std::to_string(pictures * 16 * 16 * 3) + " /dev/zero | " +
+                                helper() + " video --size 16x16 --fps 30 --audio " + (folder_ / "film.wav") +
+                                " --out " + film;
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    return film;
+  }
+  [[nodiscard]] const Sound& sound() const { return sound_; }
+  static std::string helper() {
+    return (std::filesystem::path(program_path()).parent_path() / "mien-media").string();
+  }
+
+ private:
+  const Folder& folder_;
+  Sound sound_;
+};
+
+TEST_F(AlignProgram, AFilmsSoundIsTheFirstGuess) {
+  if (!std::filesystem::exists(PhonesFiles::helper())) GTEST_SKIP() << "built without mien-media";
+  constexpr double kFromS = 6;
+  const std::string take = *folder_ / "take.mien";
+  const PhonesFiles phone(*folder_, kFromS);
+  ASSERT_GT(phone.sound().duration_s(), 20);
+  const auto aligned = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"align", take, phone.csv(), "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return std::pair(nlohmann::json::parse(outcome.out), outcome.err);
+  };
+  EXPECT_EQ(aligned({}).first["first_guess"], "none");
+  const std::string film = phone.film(phone.sound());
+  const auto [found, said] = aligned({});
+  EXPECT_EQ(said, "");
+  EXPECT_EQ(found["first_guess"], "sound");
+  const nlohmann::json& sound = found["sound"];
+  EXPECT_NEAR(sound["offset_ms"].get<double>(), 1e3 * kFromS, 3);
+  EXPECT_GT(sound["score"].get<double>(), 1.3);
+  EXPECT_FALSE(sound["by_timecode"].get<bool>());
+  // The file is the phone's as it was aligned: its lag is gone.
+  EXPECT_NEAR(sound["motion_after_sound_ms"].get<double>(), 0, 25);
+  EXPECT_NEAR(found["offset_ms"].get<double>(), aligned({"--no-sound"}).first["offset_ms"].get<double>(), 1);
+  EXPECT_THAT(run({"align", take, phone.csv()}).out, HasSubstr("first guess what both heard"));
+  EXPECT_TRUE(aligned({"--no-sound"}).first["sound"].is_null());
+  EXPECT_EQ(aligned({"--film", *folder_ / "film.wav"}).first["first_guess"], "sound");
+
+  // A film beside the file that is of no use is said in a line; one that was named is an error.
+  const auto without = [&](const std::string& what) {
+    const auto [json, line] = aligned({});
+    EXPECT_EQ(json["first_guess"], "none");
+    EXPECT_TRUE(json["sound"].is_null());
+    EXPECT_EQ(std::ranges::count(line, '\n'), 1) << line;
+    EXPECT_THAT(line, HasSubstr("Slate_1.mov: "));
+    EXPECT_THAT(line, HasSubstr(what));
+  };
+  Sound brief = phone.sound();
+  brief.samples.resize(std::size_t{3} * brief.rate_hz);
+  (void)phone.film(brief);
+  without("3.0 s long");
+  Sound other = phone.sound();
+  std::ranges::reverse(other.samples);
+  (void)phone.film(other);
+  without("do not match");
+  write(film, "ffconcat version 1.0\nfile film.wav\n");
+  without("it is no film");
+  EXPECT_THAT(refused({"align", take, phone.csv(), "--film", film}), HasSubstr("it is no film"));
+  EXPECT_THAT(refused({"align", take, phone.csv(), "--film", *folder_ / "none.mov"}),
+              HasSubstr("no such film"));
+  EXPECT_THAT(refused({"align", take, "--film", film}), HasSubstr("--film"));
+  std::filesystem::remove(film);
+
+  // A take of nobody who is heard.
+  const std::string mute = *folder_ / "mute.mien";
+  ASSERT_EQ(run({"perform", "--script", "reading", "--voice", "babble", "--seconds", "40", "--seed", "3",
+                 "--phone", "--take", mute})
+                .status,
+            0);
+  ASSERT_EQ(run({"align", mute, "--out", *folder_ / "mute.csv"}).status, 0);
+  const Outcome outcome =
+      run({"align", mute, *folder_ / "mute.csv", "--film", *folder_ / "film.wav", "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("the take has no sound"));
 }
 
 TEST_F(AlignProgram, LearnsAWearerWhoIsThenSolvedOtherwise) {

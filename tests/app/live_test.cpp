@@ -451,8 +451,14 @@ TEST_F(LiveProgram, ASessionThatHearsWhatItCannotReadSaysWhy) {
                                   performance().entries.front().bytes, sealed));
   EXPECT_THAT(
       ending_after("sealed", sealed.bytes()),
-      HasSubstr("mien: no frame came: packets did that are sealed with a key, or newer than this program; "
-                "give the devices' key with --key, or update the program\n"));
+      HasSubstr("mien: no frame came: packets did that are sealed with a key; give the devices' key with "
+                "--key\n"));
+  std::vector<std::byte> newer = performance().entries.front().bytes;
+  newer[4] = std::byte{9};
+  const std::string said = ending_after("newer", newer);
+  EXPECT_THAT(said, HasSubstr("sends mien packets of version 9, which this program does not know"));
+  EXPECT_THAT(said, HasSubstr("packets did of versions that this program does not know: mien version 9; "
+                              "update this program, or what sends there\n"));
 }
 
 TEST_F(LiveProgram, ASessionThatHearsNothingSaysSo) {

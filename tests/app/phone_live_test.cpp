@@ -148,10 +148,16 @@ TEST(PhoneProgram, APhoneThatIsAskedAnswers) {
   EXPECT_THAT(live.err, HasSubstr("Asking " + address + " for its frames"));
   EXPECT_GT(nlohmann::json::parse(live.out)["frames"], 60);
   EXPECT_GE(asked, 2) << "it is asked again and again";
-  // One on which nothing listens. (Here, since the port is this machine's one.)
-  const Outcome closed =
-      run({"live", "--rig", folder / "rig.toml", "--listen",
-           fmt::format("ifacialmocap://127.0.0.1:{}", free_port()), "--page", "off", "--json", "--for", "5"});
+  EXPECT_THAT(live.err, testing::Not(HasSubstr("no frame comes")));
+  // One on which nothing listens, and one that takes the question and is mute. (Here, since the port is this
+  // machine's one.)
+  asio::io_context network;
+  const udp::socket mute(network, kAnyPort);
+  const std::string mute_address = fmt::format("ifacialmocap://127.0.0.1:{}", mute.local_endpoint().port());
+  const Outcome closed = run({"live", "--rig", folder / "rig.toml", "--listen",
+                              fmt::format("ifacialmocap://127.0.0.1:{}", free_port()), "--listen",
+                              mute_address, "--phone", "truth", "--page", "off", "--json", "--for", "6"});
+  EXPECT_THAT(closed.err, HasSubstr(mute_address + " was asked 3 times and no frame comes from it"));
   EXPECT_THAT(closed.err, HasSubstr("open iFacialMocap on the phone"));
   EXPECT_THAT(closed.err, testing::Not(HasSubstr("is asked again")));
 }

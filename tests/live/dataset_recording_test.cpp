@@ -116,6 +116,10 @@ TEST(DatasetRecording, APagesWishIsNotTakenWithoutThePerformersAgreement) {
   EXPECT_EQ(wish->dataset, "faces");
   EXPECT_EQ(wish->consent, (session::Consent{"Anna", "us", "a model", true}));
   EXPECT_TRUE(wish->by_voice);
+  begin["video"] = 1;
+  EXPECT_FALSE(dataset_wish(begin)->consent.video) << "a number is no tick either";
+  begin["video"] = true;
+  EXPECT_TRUE(dataset_wish(begin)->consent.video);
   EXPECT_FALSE(dataset_wish(json(3)));
 }
 

@@ -101,6 +101,26 @@ TEST_F(IntakeTest, HoldsASenderToItsRateAndNobodyElse) {
   now += std::chrono::milliseconds(100);
   for (int i = 0; i < 150; ++i) send(fast, "x");
   EXPECT_EQ(intake.counts().too_fast, 100u) << "a tenth of a second is worth a hundred";
+  // Who it was can be told.
+  std::vector<Intake::FastSender> fast_ones;
+  intake.fast_senders(fast_ones);
+  ASSERT_EQ(fast_ones.size(), 1u);
+  EXPECT_EQ(fast_ones[0].source, "udp://127.0.0.1:" + std::to_string(fast.local_endpoint().port()));
+  EXPECT_EQ(fast_ones[0].sent, most + 200);
+  EXPECT_EQ(fast_ones[0].dropped, 100u);
+}
+
+TEST_F(IntakeTest, KnowsWhomItHearsNow) {
+  const auto here = boost::asio::ip::make_address("127.0.0.1");
+  EXPECT_FALSE(intake.hears(here, std::chrono::seconds(1)));
+  udp::socket one = somebody();
+  send(one, "x");
+  now += std::chrono::milliseconds(900);
+  EXPECT_TRUE(intake.hears(here, std::chrono::seconds(1)));
+  EXPECT_FALSE(intake.hears(boost::asio::ip::make_address("127.0.0.2"), std::chrono::seconds(1)));
+  now += std::chrono::milliseconds(200);
+  EXPECT_FALSE(intake.hears(here, std::chrono::seconds(1)));
+  take(Standing::stranger);
 }
 
 TEST_F(IntakeTest, AClockThatBeginsAnewCostsNothing) {

@@ -32,7 +32,7 @@ struct Class {
        .learn = [this](const std::filesystem::path& take, const std::stop_token&) -> Result<TaughtByPhone> {
          taken = take;
          if (!teaches) return fail(ErrorCode::mismatch, "somebody else's phone", "take");
-         return TaughtByPhone{{.lags = {0}, .weights = {1}}, "better"};
+         return TaughtByPhone{{.network = "", .weights = {1}, .bias = {}}, "better"};
        }},
       [this](Result<TaughtByPhone> result) { learnt.set_value(std::move(result)); }};
 };

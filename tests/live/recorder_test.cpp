@@ -65,6 +65,27 @@ TEST(Recorder, ATakeThatIsAskedForLateBeginsWithTheSession) {
   EXPECT_EQ(take::Take::open(folder / "again.mien").value().ticks().value().size(), 25u * 60);
 }
 
+TEST(Recorder, NotesEventsOfOtherThreadsBehindWhatWasHandedOver) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  Recorder recorder(folder.path());
+  record_seconds(recorder, 0, 1);
+  const DeviceTime early(std::chrono::milliseconds(500)), late(std::chrono::milliseconds(1500));
+  recorder.note({"video", early, early, R"({"file":"a.webm"})"});
+  ASSERT_TRUE(recorder.start(folder / "a.mien", header(), false));
+  record_seconds(recorder, 1, 2);
+  recorder.note({"video_over", late, late, "{}"});
+  recorder.end({});
+  ASSERT_TRUE(recorder.wait());
+  const auto take = take::Take::open(folder / "a.mien");
+  ASSERT_TRUE(take) << take.error().message();
+  const auto events = take->events().value();
+  ASSERT_EQ(events.size(), 2u) << "also what was noted just before its end";
+  EXPECT_EQ(events[0].kind, "video");
+  EXPECT_EQ(events[0].begin, early);
+  EXPECT_EQ(events[0].json, R"({"file":"a.webm"})");
+  EXPECT_EQ(events[1].kind, "video_over");
+}
+
 TEST(Recorder, CountsTheSecondsSinceItWasAskedFor) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
   Recorder recorder(folder.path());

@@ -33,5 +33,20 @@ TEST(Unheard, SoundPacketsOfOthersThanTheReferenceAreTheReasonWhateverCameBeside
   EXPECT_EQ(why_unheard({.received = 210}, unbound), Unheard::no_reference);
 }
 
+TEST(Unheard, NamesTheVersionThatIsNotKnown) {
+  session::Report newer = report(0, 10);
+  newer.unknown_versions = {{.protocol = "mien", .version = 3, .source = "udp://10.0.0.9:1", .count = 2},
+                            {.protocol = "livelink", .version = 7, .source = "udp://10.0.0.7:1", .count = 8}};
+  const Unheard why = why_unheard({.received = 10}, newer);
+  EXPECT_EQ(why, Unheard::other_version);
+  EXPECT_EQ(unheard_text(why, newer),
+            "udp://10.0.0.7:1 sends livelink packets of version 7, which this program does not know: update "
+            "this program, or what sends there");
+  newer.refused = 100;
+  EXPECT_EQ(why_unheard({.received = 110}, newer), Unheard::not_opened) << "most are sealed";
+  newer.links[1].health.age = std::chrono::milliseconds(5);
+  EXPECT_EQ(why_unheard({.received = 120}, newer), Unheard::no_reference);
+}
+
 }  // namespace
 }  // namespace mien::live::unheard_test

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "mien/model/network_correction.h"
 #include "tests/model/random_network.h"
 
 namespace mien::model::causal_network_test {
@@ -93,6 +94,50 @@ TEST(CausalNetwork, IsWhatItsDescriptionSays) {
     for (std::size_t j = 0; j < a.outputs; ++j)
       ASSERT_NEAR(answer[f * a.outputs + j], expected[j], 2e-5) << f << " " << j;
   }
+}
+
+TEST(CausalNetwork, ACorrectionIsPartOfItsOutputLayer) {
+  const Architecture a = small();
+  const auto tensors = random_network(a, 3);
+  Random random(5);
+  Correction correction{.network = correction_key(tensors),
+                        .weights = std::vector<float>(a.outputs * a.d_model),
+                        .bias = std::vector<float>(a.outputs)};
+  for (float& weight : correction.weights) weight = static_cast<float>(random.normal(0, 0.05));
+  for (float& bias : correction.bias) bias = static_cast<float>(random.normal(0, 0.2));
+  const auto corrected_tensors = corrected_network(tensors, correction);
+  EXPECT_NE(correction_key(corrected_tensors), correction.network);
+  CausalNetwork network = CausalNetwork::create(a, tensors).value();
+  network.correct(&correction);
+  CausalNetwork::State state(network);
+  Reference reference(a, corrected_tensors);
+  const auto conditions = frames(100, a.condition);
+  const auto answer = run(network, conditions, state);
+  for (std::size_t f = 0; f < conditions.size(); ++f) {
+    const Vector expected = reference.step({conditions[f].begin(), conditions[f].end()});
+    for (std::size_t j = 0; j < a.outputs; ++j)
+      ASSERT_NEAR(answer[f * a.outputs + j], expected[j], 2e-5) << f << " " << j;
+  }
+  // What the output layer reads is told: from it the answer follows.
+  CausalNetwork::Workspace workspace(network);
+  CausalNetwork::State* const one = &state;
+  std::vector<float> out(a.outputs);
+  network.step(conditions[0], std::span(&one, 1), workspace, out);
+  const std::span<const float> hidden = workspace.hidden(0);
+  ASSERT_EQ(hidden.size(), a.d_model);
+  const Tensor &weight = corrected_tensors[corrected_tensors.size() - 2], &bias = corrected_tensors.back();
+  for (std::size_t j = 0; j < a.outputs; ++j) {
+    double sum = double{bias.values[j]};
+    for (std::size_t i = 0; i < a.d_model; ++i)
+      sum += double{weight.values[j * a.d_model + i]} * double{hidden[i]};
+    EXPECT_NEAR(out[j], sum, 2e-5) << j;
+  }
+  // Taken back, it is the network that it was.
+  network.correct(nullptr);
+  CausalNetwork::State fresh(network);
+  const CausalNetwork plain = CausalNetwork::create(a, tensors).value();
+  CausalNetwork::State others(plain);
+  EXPECT_EQ(run(network, conditions, fresh), run(plain, conditions, others));
 }
 
 TEST(CausalNetwork, TheSameAgainAfterAResetAndNotWithoutOne) {

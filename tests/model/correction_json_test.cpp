@@ -8,11 +8,16 @@
 namespace mien::model::correction_json_test {
 namespace {
 
+constexpr std::size_t kInputs = 256;
+
 Correction drawn() {
   Random random(3);
-  Correction correction{.lags = {0, 3, 9}, .weights = {}};
-  for (std::size_t i = 0; i < face::kShapeCount * 3 * face::kShapeCount; ++i)
-    correction.weights.push_back(static_cast<float>(random.normal()));
+  Correction correction{.network = "0123456789abcdef", .weights = {}, .bias = {}};
+  // As large as learnt ones are (docs/experiments/phone_truth.md).
+  for (std::size_t i = 0; i < face::kShapeCount * kInputs; ++i)
+    correction.weights.push_back(static_cast<float>(random.normal(0, 0.005)));
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    correction.bias.push_back(static_cast<float>(random.normal(0, 0.02)));
   return correction;
 }
 
@@ -23,38 +28,40 @@ TEST(CorrectionJson, ComesBackAsItWasRounded) {
   EXPECT_EQ(*back, correction);
   EXPECT_EQ(rounded_as_written(correction), correction) << "once is enough";
   for (std::size_t i = 0; i < correction.weights.size(); ++i)
-    ASSERT_NEAR(correction.weights[i], exact.weights[i], 5.1e-5);
-  EXPECT_LT(write_correction(correction).size(), 64U << 10U) << "as a command it must fit";
+    ASSERT_NEAR(correction.weights[i], exact.weights[i], 5.1e-6);
+  for (std::size_t i = 0; i < correction.bias.size(); ++i)
+    ASSERT_NEAR(correction.bias[i], exact.bias[i], 5.1e-6);
+  EXPECT_LT(write_correction(correction).size(), 80U << 10U) << "as a command it must fit";
 }
 
 TEST(CorrectionJson, RefusesEachMistakeAlone) {
-  const std::string zeros = [] {
-    std::string list = "0";
-    for (std::size_t i = 1; i < face::kShapeCount * face::kShapeCount; ++i) list += ",0";
+  const auto zeros = [](std::size_t count, const std::string& first = "0") {
+    std::string list = first;
+    for (std::size_t i = 1; i < count; ++i) list += ",0";
     return list;
-  }();
+  };
   const auto code = [](const std::string& json) {
     const auto parsed = parse_correction(json, "here");
     return parsed ? std::optional<ErrorCode>() : parsed.error().code;
   };
-  const auto with = [&zeros](const std::string& lags, std::string weights = "") {
-    if (weights.empty()) weights = zeros;
-    return R"({"lags": )" + lags + R"(, "ten_thousandths": [)" + weights + "]}";
+  const auto with = [](const std::string& numbers, const std::string& network = R"("0123456789abcdef")") {
+    return R"({"network": )" + network + R"(, "hundred_thousandths": [)" + numbers + "]}";
   };
-  EXPECT_FALSE(code(with("[0]")));
+  constexpr std::size_t kCount = face::kShapeCount * 3;
+  EXPECT_FALSE(code(with(zeros(kCount))));
   EXPECT_EQ(code("no JSON"), ErrorCode::malformed);
   EXPECT_EQ(code("{}"), ErrorCode::malformed);
-  EXPECT_EQ(code(with("[]")), ErrorCode::malformed);
-  EXPECT_EQ(code(with("[0.5]")), ErrorCode::malformed);
-  EXPECT_EQ(code(with("[-1]")), ErrorCode::malformed);
-  EXPECT_EQ(code(with("[1]")), ErrorCode::out_of_range);
-  EXPECT_EQ(code(with("[0, 0]")), ErrorCode::out_of_range);
-  EXPECT_EQ(code(with("[0, 61]")), ErrorCode::out_of_range);
-  EXPECT_EQ(code(with("[0, 3]")), ErrorCode::mismatch);
-  EXPECT_EQ(code(with("[0]", "1, 2")), ErrorCode::mismatch);
-  EXPECT_EQ(code(with("[0]", "0.5" + zeros.substr(1))), ErrorCode::malformed);
-  EXPECT_EQ(code(with("[0]", "1000001" + zeros.substr(1))), ErrorCode::out_of_range);
-  EXPECT_EQ(code(with("[0]", "\"a\"" + zeros.substr(1))), ErrorCode::malformed);
+  EXPECT_EQ(code(with(zeros(kCount), "7")), ErrorCode::malformed);
+  EXPECT_EQ(code(with(zeros(kCount), R"("0123")")), ErrorCode::malformed);
+  EXPECT_EQ(code(with(zeros(kCount), R"("0123456789abcdeg")")), ErrorCode::malformed);
+  EXPECT_EQ(code(with("")), ErrorCode::mismatch);
+  EXPECT_EQ(code(with(zeros(face::kShapeCount))), ErrorCode::mismatch) << "there is no bias alone";
+  EXPECT_EQ(code(with(zeros(kCount + 1))), ErrorCode::mismatch);
+  EXPECT_EQ(code(with(zeros(face::kShapeCount * 4098))), ErrorCode::mismatch);
+  EXPECT_EQ(code(with(zeros(kCount, "0.5"))), ErrorCode::malformed);
+  EXPECT_EQ(code(with(zeros(kCount, "1000001"))), ErrorCode::out_of_range);
+  EXPECT_EQ(code(with(zeros(kCount, "18446744073709551615"))), ErrorCode::out_of_range);
+  EXPECT_EQ(code(with(zeros(kCount, "\"a\""))), ErrorCode::malformed);
 }
 
 }  // namespace

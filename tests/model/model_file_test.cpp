@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mien/core/files.h"
+#include "mien/model/network_correction.h"
 #include "tests/model/random_network.h"
 
 namespace mien::model::model_file_test {
@@ -190,8 +191,10 @@ TEST(ModelFile, AWearersSkinRoundTripsAndIsChecked) {
 
 TEST(ModelFile, ACorrectionRoundTripsAndIsChecked) {
   ModelFile model = small_causal_model();
-  const std::size_t shapes = model.shapes.size();
-  model.correction = Correction{.lags = {0, 3}, .weights = std::vector<float>(2 * shapes * shapes, 0.25F)};
+  const Architecture& a = model.architecture;
+  model.correction = Correction{.network = correction_key(model.network),
+                                .weights = std::vector<float>(a.outputs * a.d_model, 0.25F),
+                                .bias = std::vector<float>(a.outputs, -0.5F)};
   const auto bytes = format_model(model);
   ASSERT_TRUE(bytes) << bytes.error().message();
   const auto back = parse_model(*bytes, "test");
@@ -199,27 +202,18 @@ TEST(ModelFile, ACorrectionRoundTripsAndIsChecked) {
   EXPECT_EQ(back->correction, model.correction);
   EXPECT_FALSE(parse_model(format_model(small_causal_model()).value(), "test")->correction);
   for (const auto spoil :
-       {+[](Correction& c) { c.weights.pop_back(); }, +[](Correction& c) { c.weights[0] = 101; },
-        +[](Correction& c) { c.weights[0] = std::nanf(""); },
-        +[](Correction& c) {
-          c.lags = {1, 3};
-        },
-        +[](Correction& c) {
-          c.lags = {0, 0};
-        },
-        +[](Correction& c) {
-          c.lags = {0, 61};
-        },
-        +[](Correction& c) { c.lags = {}; }}) {
+       {+[](Correction& c) { c.weights.pop_back(); }, +[](Correction& c) { c.weights[0] = 11; },
+        +[](Correction& c) { c.weights[0] = std::nanf(""); }, +[](Correction& c) { c.bias.clear(); },
+        +[](Correction& c) { c.network = "0123456789abcdef"; }}) {
     ModelFile spoilt = model;
     spoil(*spoilt.correction);
     EXPECT_FALSE(format_model(spoilt));
   }
-  // What a file says of lags is no count.
+  // What a file says of the network is no key.
   TensorFile file = *parse_safetensors(*bytes, "test");
-  for (const char* lags : {R"({"lags":[0,-3]})", R"({"lags":[0,"3"]})", R"({"lags":7})", "{}", "no JSON"}) {
-    file.metadata["correction"] = lags;
-    EXPECT_FALSE(parse_model(write_safetensors(file), "test")) << lags;
+  for (const char* said : {R"({"network":7})", R"({"network":""})", "{}", "no JSON"}) {
+    file.metadata["correction"] = said;
+    EXPECT_FALSE(parse_model(write_safetensors(file), "test")) << said;
   }
   ModelFile window = small_model();
   window.correction = model.correction;

@@ -4,8 +4,10 @@
 #include <onnx/checker.h>
 #include <onnx/shape_inference/implementation.h>
 
+#include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "mien/model/network_correction.h"
 #include "tests/folder.h"
 #include "tests/headset/small_model.h"
 #include "tests/model/random_backbone.h"
@@ -53,6 +55,36 @@ TEST(ExportModel, ACausalNetworkTakesItsStateAndGivesTheNext) {
               ElementsAre("weights: batch 3", "next_state_0: batch 32", "next_state_1: batch 32"));
   EXPECT_EQ(model.opset_import(0).version(), 17);
   EXPECT_EQ(bytes, onnx_of(test::causal_model()).value()) << "the same model gives the same bytes";
+}
+
+TEST(ExportModel, AWearersCorrectionIsInTheOutputLayer) {
+  model::ModelFile model = test::causal_model();
+  const auto numbers_of = [](const model::ModelFile& file, const std::string& name) {
+    const auto graph = test::parsed(onnx_of(file).value()).graph();
+    for (const auto& constant : graph.initializer())
+      if (constant.name() == name) {
+        std::vector<float> values(constant.raw_data().size() / sizeof(float));
+        std::memcpy(values.data(), constant.raw_data().data(), constant.raw_data().size());
+        return values;
+      }
+    return std::vector<float>();
+  };
+  const std::vector<float> plain = numbers_of(model, "output.bias"),
+                           plain_weights = numbers_of(model, "output.weight");
+  const model::Architecture& a = model.architecture;
+  model.correction = {.network = model::correction_key(model.network),
+                      .weights = std::vector<float>(a.outputs * a.d_model),
+                      .bias = std::vector<float>(a.outputs, 0.5F)};
+  for (std::size_t i = 0; i < model.correction->weights.size(); ++i)
+    model.correction->weights[i] = 0.001F * static_cast<float>(i);
+  const std::vector<float> corrected = numbers_of(model, "output.bias"),
+                           corrected_weights = numbers_of(model, "output.weight");
+  ASSERT_EQ(corrected.size(), a.outputs);
+  // The graph answers with weights, half as wide as the network's numbers.
+  for (std::size_t k = 0; k < a.outputs; ++k) EXPECT_NEAR(corrected[k], plain[k] + 0.25F, 1e-6F);
+  ASSERT_EQ(corrected_weights.size(), a.outputs * a.d_model);
+  for (std::size_t i = 0; i < corrected_weights.size(); ++i)
+    EXPECT_NEAR(corrected_weights[i], plain_weights[i] + 0.0005F * static_cast<float>(i), 1e-6F);
 }
 
 TEST(ExportModel, AWindowOfAnyLength) {

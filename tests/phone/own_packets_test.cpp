@@ -5,6 +5,7 @@
 
 #include "mien/core/random.h"
 #include "mien/core/units.h"
+#include "mien/face/ifacialmocap_request.h"
 #include "mien/phone/ifacialmocap_frame.h"
 #include "mien/phone/live_link_packet.h"
 #include "mien/sink/ifacialmocap.h"
@@ -65,7 +66,8 @@ TEST(OwnPackets, OfIFacialMocapComeBackToTheirDigits) {
 }
 
 TEST(OwnPackets, WhatWeAskIsWhatWeUnderstand) {
-  EXPECT_EQ(sink::parse_ifacialmocap_request(std::as_bytes(std::span(kIFacialMocapRequest))),
+  const std::string request = face::ifacialmocap_request();
+  EXPECT_EQ(sink::parse_ifacialmocap_request(std::as_bytes(std::span(request))),
             sink::IFacialMocapRequest::v2);
 }
 

@@ -109,6 +109,26 @@ TEST(Taps, AreThreeAndNeitherMoreNorSlower) {
     EXPECT_FALSE(prior_by_taps(felt(taps), told(taps))) << taps.size() << " " << taps.back();
 }
 
+TEST(Taps, AreFoundBesideAFrameOfAnotherYear) {
+  auto frames = felt(three(20));
+  const auto plain = prior_by_taps(frames, told(three(20)));
+  // Jolts for every 60th of a year would be 15 GB, and of a century more than there is.
+  for (const double years : {1.0, 100.0}) {
+    frames.push_back(frames.back());
+    frames.back().time += from_seconds(365 * 86'400 * years);
+  }
+  const auto prior = prior_by_taps(frames, told(three(20)));
+  ASSERT_TRUE(plain && prior);
+  EXPECT_EQ(prior->offset_s, plain->offset_s);
+  // A pause is no matter either, nor times that run back.
+  for (std::size_t i = 10 * 60; i < frames.size() - 2; ++i) frames[i].time += from_seconds(3600);
+  const auto later = prior_by_taps(frames, told(three(20)));
+  ASSERT_TRUE(later);
+  EXPECT_NEAR(later->offset_s, plain->offset_s + 3600, 1e-6);
+  std::swap(frames.front().time, frames.back().time);
+  EXPECT_TRUE(prior_by_taps(frames, told(three(20))));
+}
+
 TEST(Taps, BeforeTheCalibrationAreNotFelt) {
   auto frames = felt(three(20));
   for (model::FeatureFrame& frame : std::span(frames).first(30 * 60))

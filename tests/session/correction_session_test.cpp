@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,9 @@ namespace {
 
 using test::kPrologue_s;
 
-/// TwoShapes whose jaw is multiplied by one and what the correction says of it.
+constexpr const char* kNetwork = "0123456789abcdef";
+
+/// TwoShapes whose jaw is multiplied by one and what the correction's bias says of it.
 class Corrected final : public tracker::FrameModel {
  public:
   void step(const model::FeatureFrame& features, face::OutputFrame& out) override {
@@ -21,10 +24,12 @@ class Corrected final : public tracker::FrameModel {
     out.weights[face::shape("jawOpen")] *= 1 + more_;
   }
   void reset() override {}
-  [[nodiscard]] bool corrects() const override { return true; }
+  [[nodiscard]] Result<void> check_correction(const model::Correction& correction) const override {
+    if (correction.network == kNetwork) return {};
+    return fail(ErrorCode::mismatch, "learnt for another model");
+  }
   void use_correction(const model::Correction* correction) override {
-    constexpr std::size_t kJaw = face::shape("jawOpen") * face::kShapeCount + face::shape("jawOpen");
-    more_ = correction == nullptr ? 0 : correction->weights[kJaw];
+    more_ = correction == nullptr ? 0 : correction->bias[face::shape("jawOpen")];
   }
 
  private:
@@ -42,11 +47,15 @@ std::unique_ptr<Session> corrected_session() {
 }
 
 /// The jaw is told at half of what it is.
+model::Correction halving(const char* network = kNetwork) {
+  model::Correction correction{.network = network,
+                               .weights = std::vector<float>(face::kShapeCount),
+                               .bias = std::vector<float>(face::kShapeCount)};
+  correction.bias[face::shape("jawOpen")] = -0.5F;
+  return correction;
+}
 std::string halves() {
-  model::Correction correction{.lags = {0},
-                               .weights = std::vector<float>(face::kShapeCount * face::kShapeCount)};
-  correction.weights[face::shape("jawOpen") * face::kShapeCount + face::shape("jawOpen")] = -0.5F;
-  return write_command(Correct{correction});
+  return write_command(Correct{halving()});
 }
 
 /// Mean of the jaw between two times of arrival, s.
@@ -73,8 +82,8 @@ TEST(CorrectionSession, ComesIntoForceAsAVersionThatIsTakenBack) {
   const test::Played played = test::run(*session, entries, orders);
   ASSERT_EQ(session->versions().size(), 2u);
   EXPECT_EQ(session->versions()[1].origin, "phone");
-  EXPECT_NE(session->versions()[1].json.find("ten_thousandths"), std::string::npos);
-  EXPECT_EQ(session->versions()[0].json.find("ten_thousandths"), std::string::npos);
+  EXPECT_NE(session->versions()[1].json.find("hundred_thousandths"), std::string::npos);
+  EXPECT_EQ(session->versions()[0].json.find("hundred_thousandths"), std::string::npos);
   // Shaping smooths a little; a second after each change it is through.
   EXPECT_NEAR(jaw(played, at - 3, at), jaw(before, at - 3, at), 1e-9);
   EXPECT_NEAR(jaw(played, at + 1, until), 0.5 * jaw(before, at + 1, until), 0.02);
@@ -93,6 +102,9 @@ TEST(CorrectionSession, IsRefusedBeforeThereIsACalibrationAndWhereNothingIsCorre
   const auto other = test::session()->command(HostTime(), halves());
   ASSERT_FALSE(other);
   EXPECT_EQ(other.error().code, ErrorCode::unsupported);
+  const auto of_another = session->command(HostTime(), write_command(Correct{halving("fedcba9876543210")}));
+  ASSERT_FALSE(of_another);
+  EXPECT_EQ(of_another.error().code, ErrorCode::mismatch);
 }
 
 TEST(CorrectionSession, AVersionThatIsRestoredInAnotherSessionCorrectsThereToo) {
@@ -105,6 +117,17 @@ TEST(CorrectionSession, AVersionThatIsRestoredInAnotherSessionCorrectsThereToo) 
   const test::Played plain = test::run(*corrected_session(), entries);
   const double from = kPrologue_s + 3, to = kPrologue_s + 10;
   EXPECT_NEAR(jaw(played, from, to), 0.5 * jaw(plain, from, to), 0.03);
+
+  // One that a phone taught to another model leaves the answers, and says so.
+  std::string of_another = json;
+  of_another.replace(of_another.find(kNetwork), 16, "fedcba9876543210");
+  const auto third = corrected_session();
+  const test::Played left = test::run(*third, entries, {{kPrologue_s + 1, of_another}});
+  EXPECT_NEAR(jaw(left, from, to), jaw(plain, from, to), 0.03);
+  const std::vector<sensor::Score> scores = third->versions().back().scores;
+  const auto told = std::ranges::find(scores, "phone", &sensor::Score::name);
+  ASSERT_NE(told, scores.end());
+  EXPECT_FALSE(told->pass);
 }
 
 }  // namespace

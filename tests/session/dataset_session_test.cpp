@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mien/session/recorded_lines.h"
@@ -42,6 +44,34 @@ TEST(DatasetSession, NobodyIsAskedForALineBeforeTheyConsented) {
   EXPECT_TRUE(session->command(HostTime(), R"({"command":"prompt","name":"smile"})")) << "a pose for oneself";
   ASSERT_TRUE(session->command(HostTime(), kConsent));
   EXPECT_TRUE(session->command(HostTime(), line("one")));
+}
+
+TEST(DatasetSession, VideoIsAgreedToByItsOwnWord) {
+  const auto consent_told = [](std::string command) {
+    const test::Played played =
+        test::run(*test::session(), test::performance(6).entries, {{kPrologue_s, std::move(command)}});
+    const auto part = recorded_part(played.events);
+    return part ? std::optional(part->consent) : std::nullopt;
+  };
+  const auto without = consent_told(kConsent);
+  ASSERT_TRUE(without);
+  EXPECT_FALSE(without->video) << "an older page says nothing of it";
+  std::string command = kConsent;
+  command.insert(command.size() - 1, R"(,"video":true)");
+  const auto with = consent_told(command);
+  ASSERT_TRUE(with);
+  EXPECT_TRUE(with->video);
+  EXPECT_FALSE(with->sound) << "of which nothing was said";
+  // Takes of before, and of others.
+  const auto video_in = [](const std::string& more) {
+    const auto consent =
+        consent_of(R"({"performer":"Anna","recorded_by":"us","purpose":"a model")" + more + "}");
+    return consent && consent->video;
+  };
+  EXPECT_FALSE(video_in(""));
+  EXPECT_FALSE(video_in(R"(,"video":1)"));
+  EXPECT_FALSE(video_in(R"(,"video":"true")"));
+  EXPECT_TRUE(video_in(R"(,"video":true)"));
 }
 
 TEST(DatasetSession, LinesThatWereGoodAreInTheTakeFromTheConsentOn) {

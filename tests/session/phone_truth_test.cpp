@@ -60,7 +60,9 @@ std::vector<take::LogEntry> phone_entries(const virt::VirtualSession& imus, doub
     if (n / kPhoneHz > leaps_s) fields.frame += 3600 * 60;
     const double now_s = n / kPhoneHz;
     if (now_s >= gone.silent_from_s && now_s < gone.silent_to_s) continue;
-    if (now_s < gone.from_s || now_s >= gone.to_s) fields.values.emplace().fill(0.25F);
+    if (now_s < gone.from_s || now_s >= gone.to_s)
+      // A face that moves: one that never varies is told as frozen.
+      fields.values.emplace().fill(0.25F + 0.001F * static_cast<float>((n + 180) % 50));
     // None overtakes another.
     arrival = std::max(arrival, HostTime(from_seconds(10 + n / kPhoneHz + random.uniform(0.06, 0.12))));
     entries.push_back({0, arrival, "udp://10.0.0.9:1", phone::test::live_link_bytes(fields)});
@@ -118,6 +120,8 @@ TEST(PhoneTruth, HasALinkAsAnyDevice) {
   EXPECT_EQ(phone.device, sensor::format_device({phone::kLiveLinkDevice, 0}));
   EXPECT_EQ(phone.health.lost, 0U);
   EXPECT_EQ(phone.health.restarts, 0U);
+  EXPECT_GT(phone.health.late, 10U);
+  EXPECT_EQ(phone.health.state, sensor::LinkState::good) << "no frame waits for it";
   ASSERT_TRUE(phone.health.clock);
   // Its frame 500,000 was at ten seconds here, and came 60 ms later at the earliest.
   EXPECT_NEAR(to_seconds(phone.health.clock->offset), 10.06 - 500'000 / 60.0, 0.01);

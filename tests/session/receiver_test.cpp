@@ -512,5 +512,36 @@ TEST(Receiver, StrangersWithManyIdsKeepNoDeviceOut) {
   }));
 }
 
+TEST(Receiver, NamesVersionsThatItDoesNotKnowOfWhomeverTheyAre) {
+  std::vector<std::unique_ptr<sensor::Protocol>> protocols;
+  protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
+  protocols.push_back(std::make_unique<phone::LiveLinkProtocol>());
+  const auto receiver = Receiver::create(virt::test::three_sensors(), std::move(protocols)).value();
+  const virt::VirtualSession performed = test::performance(1);
+  Received received;
+  const auto hear = [&](Sender sender, std::span<const std::byte> bytes) {
+    return receiver->receive(performed.entries.front().arrival, sender, bytes, received).verdict;
+  };
+  std::vector<std::byte> packet = performed.entries.front().bytes;
+  EXPECT_EQ(hear({1, "a board"}, packet), sensor::Verdict::taken);
+  EXPECT_EQ(hear({2, "a phone"}, phone::test::live_link_bytes({})), sensor::Verdict::taken);
+  Report report;
+  receiver->report(performed.entries.front().arrival, report);
+  EXPECT_TRUE(report.unknown_versions.empty());
+  packet[4] = std::byte{9};
+  for (int i = 0; i < 3; ++i) EXPECT_NE(hear({1, "a board"}, packet), sensor::Verdict::taken);
+  for (std::uint8_t version = 7; version < 30; ++version)
+    EXPECT_EQ(hear({2, "a phone"}, phone::test::live_link_bytes({.version = version})),
+              sensor::Verdict::ignored);
+  receiver->report(performed.entries.front().arrival, report);
+  ASSERT_EQ(report.unknown_versions.size(), 8u) << "a stranger may invent more";
+  EXPECT_EQ(report.unknown_versions[0].protocol, "mien");
+  EXPECT_EQ(report.unknown_versions[0].version, 9u);
+  EXPECT_EQ(report.unknown_versions[0].source, "a board");
+  EXPECT_EQ(report.unknown_versions[0].count, 3u);
+  EXPECT_EQ(report.unknown_versions[1].protocol, "livelink");
+  EXPECT_EQ(report.unknown_versions[1].version, 7u);
+}
+
 }  // namespace
 }  // namespace mien::session::receiver_test

@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "mien/builtin_face/load_face.h"
+#include "mien/core/random.h"
 #include "mien/model/model_file.h"
 #include "mien/performer/script.h"
 #include "mien/study/imu/phone_study.h"
@@ -152,6 +155,53 @@ TEST(PhoneTruth, ALeapOfItsClockLeavesTheLongestStretch) {
   const auto truth = phone_truth(take.session.events, take.features, *track);
   ASSERT_TRUE(truth) << truth.error().message();
   EXPECT_LT(off(take, *truth), 0.03);
+}
+
+/// Two minutes of packets of a phone, whose clock is slow by `slow_ppm`, and of the sensors: when they came.
+/// The phone's least delay wanders by so much.
+std::vector<take::StoredSample> arrived(const sensor::Rig& rig, Random random, double slow_ppm,
+                                        double wanders_s) {
+  const auto phone = static_cast<std::uint16_t>(std::ranges::find_if(rig.sensors, &sensor::Mount::is_truth) -
+                                                rig.sensors.begin());
+  std::vector<take::StoredSample> samples;
+  HostTime newest{};
+  for (std::uint32_t f = 0; f < 7'200; ++f) {
+    const double true_s = 10 + f / 60.0;
+    const auto send = [&](std::uint16_t sensor, double time_s, HostTime arrival) {
+      sensor::Sample sample{.sensor = sensor, .sequence = f, .time = DeviceTime(from_seconds(time_s))};
+      samples.push_back({static_cast<std::int64_t>(samples.size()) + 1, arrival, sample});
+    };
+    send(*rig.find(rig.reference), true_s,
+         HostTime(from_seconds(true_s + 0.001 + std::abs(random.normal(0, 0.003)))));
+    // No packet overtakes another.
+    const double delay_s = random.uniform(0.06, 0.12) + wanders_s * std::abs(std::sin(true_s / 9));
+    newest = std::max(newest, HostTime(from_seconds(true_s + delay_s)));
+    send(phone, 5'000 + true_s * (1 - 1e-6 * slow_ppm), newest);
+  }
+  return samples;
+}
+
+TEST(PhoneTruth, ArrivalsTellDriftAsWellAsTheyScatter) {
+  virt::StageRequest request;
+  request.script = performer::default_script(performer::Block::reading, 10);
+  request.rig = project_path("rigs/default.toml");
+  request.phone = true;
+  const sensor::Rig rig = virt::set_stage(request).value().rig;
+  double steady_ppm = 0, wandering_ppm = 0;
+  constexpr int kPhones = 10;
+  for (std::uint64_t seed = 0; seed < kPhones; ++seed) {
+    const auto prior = [&](double wanders_s) {
+      const auto samples = arrived(rig, Random(seed), 25, wanders_s);
+      return *phone_track(rig, samples, DeviceTime(from_seconds(10))).value().prior;
+    };
+    const phone::AlignmentPrior steady = prior(0), wandering = prior(0.01);
+    EXPECT_NEAR(steady.drift_ppm, 25, 4 * steady.drift_sigma_ppm) << seed;
+    EXPECT_NEAR(steady.drift_ppm, 25, 15) << seed;
+    steady_ppm += steady.drift_sigma_ppm / kPhones;
+    wandering_ppm += wandering.drift_sigma_ppm / kPhones;
+  }
+  EXPECT_LT(steady_ppm, 8);
+  EXPECT_GT(wandering_ppm, 1.5 * steady_ppm);
 }
 
 TEST(PhoneTruth, IsNeitherAnothersNorNobodys) {

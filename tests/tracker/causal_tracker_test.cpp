@@ -2,11 +2,14 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "mien/core/random.h"
+#include "mien/model/network_correction.h"
 #include "tests/allocation_count.h"
 #include "tests/tracker/tiny_model.h"
 #include "tests/tracker/turning_sensors.h"
@@ -223,22 +226,58 @@ TEST(CausalTracker, RefusesWhatItCannotRun) {
 }
 
 TEST(CausalTracker, ACorrectionIsPutInForceAndTakenBackWhileItRuns) {
-  const auto features = test::turning(40);
+  const auto features = test::turning(400);
   CausalTracker plain = tiny_tracker(), corrected = tiny_tracker();
-  model::Correction doubles{.lags = {0},
-                            .weights = std::vector<float>(face::kShapeCount * face::kShapeCount)};
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) doubles.weights[k * face::kShapeCount + k] = 1;
+  const model::Architecture& network = plain.file().architecture;
+  constexpr std::size_t kJaw = face::shape("jawOpen");
+  // The jaw is wide open, whatever is seen; all else is as it was.
+  model::Correction opens{.network = model::correction_key(plain.file().network),
+                          .weights = std::vector<float>(network.outputs * network.d_model),
+                          .bias = std::vector<float>(network.outputs)};
+  opens.bias[kJaw] = 4;
+  ASSERT_TRUE(plain.check_correction(opens));
   for (std::size_t f = 0; f < features.size(); ++f) {
-    if (f == 10) corrected.use_correction(&doubles);
-    if (f == 30) corrected.use_correction(nullptr);
+    if (f == 10) corrected.use_correction(&opens);
+    if (f == 200) corrected.use_correction(nullptr);
     face::OutputFrame as_it_is, as_corrected;
     plain.step(features[f], as_it_is);
     corrected.step(features[f], as_corrected);
-    const float times = f >= 10 && f < 30 ? 2 : 1;
-    for (std::size_t k = 0; k < face::kShapeCount; ++k)
-      ASSERT_NEAR(as_corrected.weights[k], std::min(1.0F, times * as_it_is.weights[k]), 1e-6F) << f;
+    if (f < 10) {
+      ASSERT_EQ(as_corrected.weights, as_it_is.weights) << f;
+    }
+    if (f == 100) {
+      // The filter's width follows all shapes together, so that the others may differ by a little.
+      for (std::size_t k = 0; k < face::kShapeCount; ++k)
+        EXPECT_TRUE(k == kJaw || std::abs(as_corrected.weights[k] - as_it_is.weights[k]) < 0.05F) << k;
+    }
+    if (f == 199) {
+      EXPECT_GT(as_corrected.weights[kJaw], 0.99F);
+    }
   }
-  EXPECT_TRUE(corrected.corrects());
+  face::OutputFrame as_it_is, as_corrected;
+  plain.step(features[0], as_it_is);
+  corrected.step(features[0], as_corrected);
+  EXPECT_NEAR(as_corrected.weights[kJaw], as_it_is.weights[kJaw], 1e-3F) << "the jitter filter has forgotten";
+}
+
+TEST(CausalTracker, ACorrectionOfAnotherNetworkIsRefused) {
+  const CausalTracker tracker = tiny_tracker();
+  const model::Architecture& network = tracker.file().architecture;
+  const model::Correction own{.network = model::correction_key(tracker.file().network),
+                              .weights = std::vector<float>(network.outputs * network.d_model),
+                              .bias = std::vector<float>(network.outputs)};
+  EXPECT_TRUE(tracker.check_correction(own));
+  const auto code_of = [&](auto spoil) {
+    model::Correction spoilt = own;
+    spoil(spoilt);
+    const auto checked = tracker.check_correction(spoilt);
+    return checked ? std::optional<ErrorCode>() : checked.error().code;
+  };
+  EXPECT_EQ(code_of([](auto& c) { c.network = "0123456789abcdef"; }), ErrorCode::mismatch);
+  EXPECT_EQ(code_of([](auto& c) { c.weights.pop_back(); }), ErrorCode::mismatch);
+  EXPECT_EQ(code_of([](auto& c) { c.bias.push_back(0); }), ErrorCode::mismatch);
+  EXPECT_EQ(code_of([](auto& c) { c.bias[0] = 11; }), ErrorCode::out_of_range);
+  EXPECT_EQ(code_of([](auto& c) { c.weights[0] = std::nanf(""); }), ErrorCode::out_of_range);
 }
 
 }  // namespace

@@ -25,6 +25,8 @@ const LONGEST_RETRY_MS = 5000;
 const LONGEST_MESSAGE = 1 << 20;
 /** Of sound so many bytes may wait to be sent, half a second: what comes later than that is of no use. */
 const MOST_WAITING_SOUND = 50_000;
+/** Of video, half a minute. */
+const MOST_WAITING_VIDEO = 10_000_000;
 
 /** An address of this page's host with the page's token passed on. */
 export function withToken(path: string, location: { href: string; search: string }): URL {
@@ -44,6 +46,8 @@ export class Connection {
   malformed = 0;
 
   private socket: WebSocket | null = null;
+  /** Bytes of the newest chunk of video: sound may wait for it to be sent. */
+  private newestVideo = 0;
   private order: Int16Array = OWN_ORDER;
   private nextId = 1;
   private attempts = 0;
@@ -102,7 +106,17 @@ export class Connection {
   /** Sends a piece of sound, or lets it go where what was sent before still waits. */
   sendSound(message: ArrayBuffer): void {
     const socket = this.socket;
-    if (socket?.readyState === WebSocket.OPEN && socket.bufferedAmount < MOST_WAITING_SOUND) socket.send(message);
+    if (socket?.bufferedAmount === 0) this.newestVideo = 0;
+    if (socket?.readyState === WebSocket.OPEN && socket.bufferedAmount < MOST_WAITING_SOUND + this.newestVideo) socket.send(message);
+  }
+
+  /** Sends a chunk of video; false where too much waits already, or nobody is there. */
+  sendVideo(message: ArrayBuffer): boolean {
+    const socket = this.socket;
+    if (socket?.readyState !== WebSocket.OPEN || socket.bufferedAmount > MOST_WAITING_VIDEO) return false;
+    this.newestVideo = message.byteLength;
+    socket.send(message);
+    return true;
   }
 
   private hear(data: unknown): void {

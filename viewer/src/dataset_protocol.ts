@@ -58,6 +58,8 @@ export interface DatasetWish {
   recorded_by: string;
   purpose: string;
   sound: boolean;
+  /** The face, on video beside the take. */
+  video: boolean;
   /** The performer agreed. */
   agreed: true;
   pace: Pace;

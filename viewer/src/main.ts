@@ -32,6 +32,7 @@ import { Recording } from "./dataset/recording";
 import { h, setHidden } from "./dom";
 import { FaceView } from "./face_view";
 import { listenKeys, type Key } from "./keys";
+import { BrowserCamera } from "./browser_camera";
 import { BrowserMicrophone } from "./microphone";
 import { CalibrationPanel } from "./panels/calibration";
 import { OutputPanel } from "./panels/output";
@@ -54,7 +55,7 @@ const prompts = new PromptGuide(session, actions);
 const timeline = new Timeline(session, actions);
 const notices = new Notices(session, view);
 const microphone = new BrowserMicrophone(session);
-const recording = new Recording(session, actions, microphone, notices.element);
+const recording = new Recording(session, actions, microphone, new BrowserCamera(session), notices.element);
 const weights = new WeightsPanel(session, view, actions);
 const actionBar = new ActionBar(session, view, actions, face);
 const dock = new Dock(view, {

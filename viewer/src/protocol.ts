@@ -11,6 +11,7 @@ import { type NetworkStatus, readNetwork } from "./network_protocol";
 import { type CameraPicture, type PicturesStatus, readPictures } from "./picture_protocol";
 import { type Crop, type PictureView, readView } from "./picture_view";
 import { type PromptDeed, type PromptStatus, readPrompts } from "./prompt_protocol";
+import { readVideo, type VideoOver, type VideoStatus } from "./video_protocol";
 import { type Fields, fieldsOf, idOf, list, number, numberOrNull, share, text, texts } from "./reading";
 import { SHAPE_COUNT, SHAPES } from "./shapes";
 
@@ -150,6 +151,8 @@ export interface Status {
   prompts: PromptStatus | null;
   /** The dataset's recording that runs, or that ran last. */
   dataset: DatasetStatus | null;
+  /** The video beside it; null where none was agreed to. */
+  video: VideoStatus | null;
   /** What comes of learning from a phone. */
   phoneLesson: PhoneLesson | null;
   sinks: SinkStatus[];
@@ -200,7 +203,7 @@ export interface Takes {
   takes: Take[];
 }
 
-export type Message = Hello | Frame | Status | Reply | SessionEvent | Takes | MicrophoneOver | CameraPicture;
+export type Message = Hello | Frame | Status | Reply | SessionEvent | Takes | MicrophoneOver | VideoOver | CameraPicture;
 
 /** What is to be another of a camera's view; the rest stays. */
 export interface ViewChange {
@@ -232,6 +235,7 @@ export type Command =
   | { command: "listen"; only: string }
   | { command: "pair" }
   | { command: "microphone"; on: boolean }
+  | { command: "video"; on: boolean }
   | { command: "pictures"; on: boolean }
   | { command: "takes" }
   | { command: "replay"; take: string; dataset?: string }
@@ -428,6 +432,7 @@ function readStatus(fields: Fields): Status {
     calibration: readCalibration(fieldsOf(fields["calibration"])),
     prompts: readPrompts(fields["prompts"]),
     dataset: readDataset(fields["dataset"]),
+    video: readVideo(fields["video"]),
     phoneLesson: readLesson(fields["phone_lesson"]),
     sinks: list(fields["sinks"], (one) => ({
       id: idOf(one["id"]),
@@ -495,6 +500,8 @@ export function readMessage(message: string, order: Int16Array): Message | null 
       return { type: "takes", takes: readTakes(fields) };
     case "microphone":
       return { type: "microphone", why: text(fields["why"]) };
+    case "video":
+      return { type: "video", why: text(fields["why"]), again: fields["again"] === true };
     default:
       return null;
   }

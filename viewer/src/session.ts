@@ -4,6 +4,7 @@ import type { MicrophoneOver } from "./hearing_protocol";
 import { History } from "./history";
 import type { CameraPicture } from "./picture_protocol";
 import { Playout } from "./playout";
+import type { VideoOver } from "./video_protocol";
 import { readTakes, type Command, type Frame, type Hello, type Message, type Reply, type SessionEvent, type Status, type Take } from "./protocol";
 import { Signal } from "./signal";
 
@@ -24,6 +25,8 @@ export class Session {
   readonly takes = new Signal<readonly Take[]>([]);
   /** That this browser's microphone is heard no more, and why. */
   readonly microphoneOver = new Signal<MicrophoneOver | null>(null);
+  /** That this browser's camera is recorded no more, or anew. */
+  readonly videoOver = new Signal<VideoOver | null>(null);
   /** The newest of any camera, where this page asked for pictures. */
   readonly picture = new Signal<CameraPicture | null>(null);
   readonly history = new History();
@@ -60,6 +63,11 @@ export class Session {
   /** A piece of sound; lost where the connection is behind or away. */
   sendSound(message: ArrayBuffer): void {
     this.link.sendSound(message);
+  }
+
+  /** A chunk of video; false where the connection is far behind or away: nothing behind it can be used then. */
+  sendVideo(message: ArrayBuffer): boolean {
+    return this.link.sendVideo(message);
   }
 
   async refreshTakes(): Promise<void> {
@@ -99,6 +107,9 @@ export class Session {
         break;
       case "microphone":
         this.microphoneOver.set(message);
+        break;
+      case "video":
+        this.videoOver.set(message);
         break;
     }
   }

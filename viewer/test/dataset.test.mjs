@@ -10,7 +10,7 @@ import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { launch, openPage, PATIENCE, settled } from "./browser.mjs";
+import { GL, launch, openPage, PATIENCE, settled } from "./browser.mjs";
 import { startMockSession } from "./mock_session.mjs";
 
 const pictures = process.env.MIEN_SCREENSHOTS ?? "";
@@ -107,7 +107,7 @@ test("the whole way: chosen, consented, checked, read, poor lines again, watched
     // The check before the first block.
     await step(page, "check");
     const { begin } = begins(mock).at(-1);
-    assert.deepEqual(begin, { name: "faces", script: "dataset_en", performer: "carla", recorded_by: "The lab, Room 12", purpose: "Learning how faces move", sound: true, agreed: true, pace: "voice" });
+    assert.deepEqual(begin, { name: "faces", script: "dataset_en", performer: "carla", recorded_by: "The lab, Room 12", purpose: "Learning how faces move", sound: true, video: false, agreed: true, pace: "voice" });
     await says(page, "#recorder-block", "Calm");
     await says(page, ".recorder-step:not([hidden])", "3 lines, under a minute; 8 lines in all");
     const rows = await page.locator(".check-part").first().locator(".check-row").evaluateAll((all) => all.map((row) => [row.dataset.sensor, row.dataset.severity]));
@@ -349,6 +349,137 @@ test("on a telephone, and from right to left", { timeout: 6 * PATIENCE }, async 
     await fits("summary");
   } finally {
     await page.context().close();
+    await mock.close();
+  }
+});
+
+/** A camera that shows a clock, and whoever asks for it gets it. */
+const WITH_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"];
+const video = (mock) => mock.session.video;
+const until = async (holds, what) => {
+  for (const end = Date.now() + PATIENCE; !holds(); ) {
+    assert.ok(Date.now() < end, what);
+    await new Promise((soon) => setTimeout(soon, 50));
+  }
+};
+
+/** Up to the check of a recording; `agrees`: to video too. */
+async function toCheck(page, agrees) {
+  await settled(page, () => document.querySelectorAll(".links tbody tr").length === 12, "a status");
+  await page.keyboard.press("p");
+  await step(page, "what");
+  await says(page, ".script-cards", "Dataset, English");
+  await page.getByLabel("Performer", { exact: true }).selectOption("anna");
+  await button(page, "Continue").click();
+  await step(page, "consent");
+  const tick = page.getByLabel(/Record my face on video/);
+  assert.equal(await tick.isChecked(), false, "nobody is filmed without having asked for it");
+  if (agrees) await tick.check();
+  await agree(page);
+  await step(page, "check");
+}
+
+test("a camera is recorded beside the take, by who agreed to it", { timeout: 12 * PATIENCE }, async () => {
+  const filming = await launch(...GL, ...WITH_CAMERA);
+  const mock = await startMockSession({ quick: true, every: 12 });
+  const page = await openPage(filming, mock.url, troubles, { viewport: { width: 1280, height: 900 }, colorScheme: "dark" });
+  const playing = () => page.locator(".check-preview").evaluate((one) => !one.hidden && one.srcObject?.active === true && one.srcObject.getAudioTracks().length === 0);
+  try {
+    await toCheck(page, true);
+    assert.equal(begins(mock).at(-1).begin.video, true);
+    await until(() => (video(mock).files[0]?.chunks ?? 0) >= 2, "chunks");
+    assert.ok(await playing(), "what the camera sees is shown");
+    await says(page, ".recorder-step:not([hidden])", "Your face is recorded: anna_3.webm");
+    await says(page, ".recorder-film[data-on=true]:not([hidden])", "video");
+    await picture(page, "video_check");
+    await page.keyboard.press("Enter");
+    await step(page, "lines");
+    await says(page, ".recorder-film[data-on=true]:not([hidden])", "video");
+    await picture(page, "video_line");
+
+    // A chunk is lost: another file with another beginning.
+    video(mock).fail("chunks that the browser sent are missing (1); another file begins", true);
+    await until(() => (video(mock).files[1]?.chunks ?? 0) >= 1, "another file");
+    assert.equal(video(mock).files[1].name, "anna_3_2.webm");
+
+    // A browser that comes back goes on, in another file; a second one does not film by itself.
+    await page.reload();
+    await step(page, "lines");
+    await until(() => (video(mock).files[2]?.chunks ?? 0) >= 1, "it goes on");
+    const other = await openPage(filming, mock.url, troubles, { viewport: { width: 700, height: 500 } });
+    await step(other, "lines");
+    await says(other, ".recorder-film[data-on=true]:not([hidden])", "video");
+    await other.context().close();
+
+    // The disk is full: told, and the recording goes on.
+    video(mock).fail("The video ended: less than 0.5 GB is left on the disk, which the take needs; make room, then use the camera again.");
+    await says(page, ".recorder-film[data-on=false]:not([hidden])", "no video");
+    assert.equal(mock.session.dataset.state.over, false);
+    await until(() => mock.session.prompts.status().state !== "ready", "a line");
+    for (let line = 0; line < 8 && (await page.locator(".recorder").getAttribute("data-step")) === "lines"; ++line) {
+      await page.keyboard.press("s");
+      await page.waitForTimeout(700);
+    }
+    await step(page, "check");
+    await says(page, ".recorder-step:not([hidden])", "less than 0.5 GB is left");
+    await picture(page, "video_full");
+    await button(page, "Use this browser's camera").click();
+    await until(() => (video(mock).files[3]?.chunks ?? 0) >= 1, "it goes on once more");
+
+    // The end: its last chunk comes, and the camera is let go.
+    await button(page, /^End …/).click();
+    await button(page, "End the recording").click();
+    await step(page, "summary");
+    await until(() => video(mock).files[3].over && video(mock).client === null, "its end");
+    await settled(page, () => !document.querySelector(".check-preview").srcObject, "the camera is let go");
+    assert.equal(video(mock).refused, 0);
+    for (const file of video(mock).files) {
+      assert.ok(file.over && file.bytes > 2000, JSON.stringify({ ...file, data: 0 }));
+      assert.ok(file.ages.every((age, i) => i === 0 || age > file.ages[i - 1]), `${file.ages}`);
+    }
+    const first = Buffer.concat(video(mock).files[0].data).toString("latin1");
+    assert.match(first, /V_VP[89]/);
+    assert.doesNotMatch(first, /A_OPUS/, "sound goes its own way");
+  } finally {
+    await filming.close();
+    await mock.close();
+  }
+});
+
+test("without agreement nobody is filmed, and who refuses the camera records on", { timeout: 8 * PATIENCE }, async () => {
+  const refusing = await launch(...GL, "--use-fake-device-for-media-stream");
+  const mock = await startMockSession({ quick: true, every: 12 });
+  const page = await openPage(refusing, mock.url, troubles, { viewport: { width: 1280, height: 900 }, colorScheme: "light", permissions: [] });
+  try {
+    await page.evaluate(() => {
+      globalThis.asked = 0;
+      navigator.mediaDevices.getUserMedia = async () => {
+        ++globalThis.asked;
+        throw new DOMException("Permission denied", "NotAllowedError");
+      };
+    });
+    await toCheck(page, false);
+    assert.equal(begins(mock).at(-1).begin.video, false);
+    assert.equal(await page.locator(".recorder-film:not([hidden])").count(), 0);
+    assert.equal(await page.getByText("Use this browser's camera").isVisible(), false);
+    assert.equal(await page.evaluate(() => globalThis.asked), 0);
+    await button(page, /^End …/).click();
+    await button(page, "End the recording").click();
+    await step(page, "summary");
+    await button(page, "Close").last().click();
+
+    await toCheck(page, true);
+    await says(page, ".recorder-step:not([hidden])", "The browser refused its camera.");
+    await says(page, ".recorder-step:not([hidden])", "The recording goes on without video.");
+    assert.equal(await page.evaluate(() => globalThis.asked), 1, "not again and again");
+    await until(() => video(mock).client === null, "the session is told");
+    await says(page, ".recorder-film[data-on=false]:not([hidden])", "no video");
+    await picture(page, "video_refused");
+    await page.keyboard.press("Enter");
+    await step(page, "lines");
+    assert.equal(video(mock).files.length, 0);
+  } finally {
+    await refusing.close();
     await mock.close();
   }
 });

@@ -60,7 +60,7 @@ export class MockDataset {
     throw new Error("a dataset is listed, begun or ended");
   }
 
-  begin({ name, script, performer, agreed }) {
+  begin({ name, script, performer, agreed, video }) {
     if (agreed !== true) throw new Error("the performer has not agreed to be recorded");
     if (/^\.|[/\\]/.test(name)) throw new Error(`not a name for a dataset (${name}): letters, digits, - and _`);
     if (this.session.recording.on) throw new Error("a recording runs already: end it first");
@@ -73,6 +73,7 @@ export class MockDataset {
     this.state = { name, performer, take, lines: left.length, done: lines.length - left.length, over: false, error: null };
     this.session.prompts = Object.assign(new MockPrompts(left), { faults: this.faults });
     this.session.recording = { on: true, path: `takes/${name}/${take}`, since: this.session.now(), error: null };
+    if (video === true) this.session.video.allow(take);
     return { take: `takes/${name}/${take}`, lines: left.length, done: this.state.done };
   }
 
@@ -94,6 +95,7 @@ export class MockDataset {
     if (!this.state || this.state.over) return;
     const { name, performer, take } = this.state;
     Object.assign(this.state, { over: true, error });
+    this.session.video.finish();
     this.session.prompts.at = this.session.prompts.prompts.length;
     const seconds = this.session.now() - this.session.recording.since;
     this.session.recording = { on: false, path: `takes/${name}/${take}`, since: 0, error };

@@ -19,6 +19,7 @@ import { MockDataset } from "./mock_dataset.mjs";
 import { MockPrompts, POSES } from "./mock_prompts.mjs";
 import { eyewearSensors, headsetSensors } from "./mock_rigs.mjs";
 import { STEPS } from "./mock_steps.mjs";
+import { MockVideo } from "./mock_video.mjs";
 import { MockVoice } from "./mock_voice.mjs";
 import { sessionFace } from "./session_face.mjs";
 import { SHAPES } from "./sphere_head.mjs";
@@ -129,6 +130,7 @@ class MockSession {
     this.states = headset ? { mouth_R: "frozen" } : eyewear ? { cheek_L: "lossy", jaw_lower_R: "lost" } : { zygomaticus_lower_L: "lossy", buccinator_R: "frozen", mentalis: "lost", frontalis_R: "duplicate" };
     this.prompts = prompts ? new MockPrompts(POSES) : null;
     this.dataset = new MockDataset(this);
+    this.video = new MockVideo(this);
     this.devices = Object.fromEntries(this.sensors.map(({ name }, i) => [name, `02:4D:49:45:4E:${(i + 1).toString(16).padStart(2, "0").toUpperCase()}`]));
     // Two send as one of them.
     this.heard = { frontalis_R: "udp://192.168.1.40:5005" };
@@ -293,7 +295,7 @@ class MockSession {
         progress: run ? Math.min(1, this.calibration.stepSeconds / step.seconds) : 0, remaining_s: run ? Math.max(0, step.seconds - this.calibration.stepSeconds) : 0,
         step_number: run ? run.at + 1 : 0, steps: run ? run.steps.length : 0, versions: this.versions,
       },
-      prompts: this.prompts?.status() ?? null, dataset: this.dataset.state,
+      prompts: this.prompts?.status() ?? null, dataset: this.dataset.state, video: this.video.status(),
       sinks: this.sinks.map((sink) => ({ ...sink, rate_hz: sink.on ? 60 : 0 })),
       recording: { on: this.recording.on, path: this.recording.path, seconds: this.recording.on ? t - this.recording.since : 0, megabytes: this.recording.on ? 0.07 * (t - this.recording.since) : 0, error: this.recording.error },
       log: { megabytes: 0.33 * t, limit_megabytes: 4000, payload_megabytes: 0, payload_limit_megabytes: 2000, hours_left: (4000 - 0.33 * t) / 0.33 / 3600, error: null },
@@ -429,6 +431,9 @@ class MockSession {
       case "microphone":
         this.voice.ask(client, command.on === true);
         return null;
+      case "video":
+        this.video.ask(client, command.on === true);
+        return null;
       case "listen":
         if (command.only !== "" && !this.network.interfaces.some((one) => [one.name, one.address].includes(command.only))) {
           throw new Error(`${command.only}: no interface and no address of this machine`);
@@ -486,10 +491,11 @@ class MockSession {
     client.on("close", () => {
       this.clients.delete(client);
       this.voice.leave(client);
+      this.video.leave(client);
       this.cameras.leave(client);
     });
     client.on("message", (data, isBinary) => {
-      if (isBinary) return this.voice.take(client, data);
+      if (isBinary) return data.toString("latin1", 0, 4) === "MVID" ? this.video.take(client, data) : this.voice.take(client, data);
       let id = -1;
       try {
         const command = JSON.parse(String(data));
@@ -541,7 +547,7 @@ export async function startMockSession({
       response.writeHead(404).end("There is no such thing here. Was the page built (npm run build)?");
     }
   });
-  const sockets = new WebSocketServer({ noServer: true, maxPayload: 1 << 20 });
+  const sockets = new WebSocketServer({ noServer: true, maxPayload: 1 << 24 });
   server.on("upgrade", (request, socket, head) => {
     const url = new URL(request.url, "http://localhost");
     if (url.pathname !== "/ws" || !allowed(url)) return socket.end("HTTP/1.1 403 Forbidden\r\n\r\n");

@@ -1,5 +1,5 @@
 // The whole recording from the page, in a real browser against the program and a virtual performer with a virtual phone:
-// consent, a script, a take, and a training on it.
+// consent, a script, a take, a video beside it, and a training on it.
 //
 //   npm run build && MIEN_PROGRAM=../build/release/app/mien npm run test:recording
 //
@@ -13,7 +13,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
-import { launch, openPage, PATIENCE, settled } from "./browser.mjs";
+import { GL, launch, openPage, PATIENCE, settled } from "./browser.mjs";
 
 const run = promisify(execFile);
 const root = fileURLToPath(new URL("../../", import.meta.url));
@@ -23,6 +23,9 @@ if (pictures) mkdirSync(pictures, { recursive: true });
 /** Not those that a session or another test would take. */
 const PORTS = { sensors: 15105, phone: 15106, page: 15107 };
 
+/** Chromium draws what a camera would see. */
+const WITH_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"];
+
 let browser, folder;
 const children = [];
 const troubles = [];
@@ -30,7 +33,7 @@ const troubles = [];
 before(async () => {
   assert.ok(existsSync(program), `There is no program at ${program}; MIEN_PROGRAM says where it is.`);
   folder = mkdtempSync(join(tmpdir(), "mien_recording_"));
-  browser = await launch();
+  browser = await launch(...GL, ...WITH_CAMERA);
 });
 after(async () => {
   await browser?.close();
@@ -96,6 +99,7 @@ test("what is recorded from the page alone is a dataset that trains", { timeout:
   await page.getByLabel("Recorded by").fill("the project's tests");
   await page.getByLabel("What for").fill("to see that a recording trains");
   await page.getByLabel(/the sound of my voice/).check();
+  await page.getByLabel(/my face on video/).check();
   await page.getByLabel(/I have read this/).check();
   await picture(page, "consent");
   await button(page, "Begin").click();
@@ -134,6 +138,9 @@ test("what is recorded from the page alone is a dataset that trains", { timeout:
   const dataset = JSON.parse(stdout);
   if (pictures) writeFileSync(join(pictures, "recording_dataset.json"), stdout);
   assert.equal(dataset.takes.length, 1, stdout);
+  const [video] = dataset.takes[0].videos;
+  assert.equal(video?.file, takes[0].replace(/mien$/, "webm"), stdout);
+  assert.ok(video.bytes > 100_000, stdout);
   const recipe = join(folder, "recipe.toml");
   writeFileSync(recipe, RECIPE);
   const model = join(folder, "mine.safetensors");

@@ -16,6 +16,8 @@
 #include "mien/study/shifted_person.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/learn_correction.h"
+#include "mien/virtual/phone/worn_phone.h"
+#include "mien/virtual/reception.h"
 #include "mien/virtual/stage.h"
 
 namespace mien::study {
@@ -28,6 +30,8 @@ struct Filmed {
   sensor::Rig rig;
   virt::VirtualSession session;
   std::vector<model::FeatureFrame> features;
+  virt::VirtualClock reference, phone;
+  double phone_lag_s = 0;
 };
 
 Result<Filmed> film(const PhoneStudyRequest& request, const face::Motion& motion, const std::string& face,
@@ -44,7 +48,14 @@ Result<Filmed> film(const PhoneStudyRequest& request, const face::Motion& motion
   asked.phone_faults = phone;
   MIEN_TRY_ASSIGN(virt::Stage stage, virt::set_stage(asked));
   Filmed filmed;
-  MIEN_TRY_ASSIGN(filmed.session, virt::play(stage));
+  MIEN_TRY_ASSIGN(virt::Sent sent, stage.worn->send(stage, no_progress));
+  filmed.reference = sent.reference;
+  if (phone) {
+    const virt::PhoneSimulator shown = virt::phone_before(stage, *phone);
+    filmed.phone = shown.clock();
+    filmed.phone_lag_s = shown.lag_s();
+  }
+  MIEN_TRY_ASSIGN(filmed.session, virt::receive_all(std::move(sent), stage.motion, stage.rig));
   filmed.rig = std::move(stage.rig);
   const virt::VirtualSession& session = filmed.session;
   MIEN_TRY_ASSIGN(filmed.features,
@@ -73,70 +84,29 @@ face::Motion part_of(const face::Motion& motion, double from_s, double to_s) {
   return part;
 }
 
-/// By how much what the phone told at the frames is late against the performer's own truth there, s, over the
-/// frames [begin, end): one step of Gauss and Newton on the truth's speed, all shapes alike.
-double lateness_s(std::span<const take::TruthFrame> told, std::span<const take::TruthFrame> truth,
-                  std::size_t begin, std::size_t end) {
-  double score = 0, information = 0;
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    // told = gain truth + rest - gain late speed, of which the truth is taken out first.
-    double n = 0, x = 0, y = 0, v = 0, xx = 0, xy = 0, xv = 0, vv = 0, vy = 0;
-    for (std::size_t f = std::max<std::size_t>(begin, 1); f + 1 < end; ++f) {
-      if (!told[f].evaluated || !truth[f].evaluated || !truth[f].has_face) continue;
-      const double is = double{truth[f].weights[k]}, said = double{told[f].weights[k]};
-      const double speed = 0.5 * kFrameRateHz * double{truth[f + 1].weights[k] - truth[f - 1].weights[k]};
-      n += 1, x += is, y += said, v += speed;
-      xx += is * is, xy += is * said, xv += is * speed, vv += speed * speed, vy += speed * said;
-    }
-    if (n < 60) continue;
-    xx -= x * x / n, xy -= x * y / n, xv -= x * v / n, vv -= v * v / n, vy -= v * y / n;
-    if (!(xx > 1e-3) || !(vv > 1e-6)) continue;
-    const double gain = xy / xx;
-    score += gain * (vy - xv * xy / xx);
-    information += gain * gain * (vv - xv * xv / xx);
-  }
-  return information > 0 ? -score / information : 0;
-}
-
-/// The same phone, clock and lag, whose pictures tell the face as it is: what a found time is held against.
-virt::PhoneFaults true_to_life(virt::PhoneFaults phone) {
-  phone.smoothing_ms = phone.frames_dropped = phone.face_loss_per_hour = 0;
-  phone.face_lost_between_s = {};
-  phone.resting_offset = phone.gain_error = phone.noise = 0;
-  return phone;
-}
-
-/// `filmed`: by the phone whose time is to be found; `clean`: by the same one true to life.
-Result<PhoneSyncRow> sync_row(std::uint64_t seed, const Filmed& filmed, const Filmed& clean) {
+Result<PhoneSyncRow> sync_row(std::uint64_t seed, const Filmed& filmed) {
   PhoneSyncRow row;
   row.seed = seed;
-  const DeviceTime begin_time = filmed.features.front().time;
-  MIEN_TRY_ASSIGN(const PhoneTrack track, phone_track(filmed.rig, filmed.session.samples, begin_time));
+  const DeviceTime begin = filmed.features.front().time;
+  MIEN_TRY_ASSIGN(const PhoneTrack track, phone_track(filmed.rig, filmed.session.samples, begin));
   const auto found = phone_truth(filmed.session.events, filmed.features, track);
   if (!found) {
     row.refused = found.error().what;
     return row;
   }
-  MIEN_TRY_ASSIGN(const PhoneTrack exact, phone_track(clean.rig, clean.session.samples, begin_time));
-  const face::MotionCurve curve(exact.motion);
-  const double shift_s = to_seconds(track.begin - exact.begin);
-  const std::span<const take::TruthFrame> real = filmed.session.truth;
-  std::vector<take::TruthFrame> told = found->frames;
-  for (take::TruthFrame& frame : told)
-    frame.weights =
-        curve.at(found->alignment.to_phone_s(to_seconds(frame.time - begin_time)) + shift_s).weights;
-  const std::size_t count = std::min(told.size(), real.size());
-  std::size_t begin = 0;
-  while (begin < count && !real[begin].evaluated) ++begin;
-  const std::size_t middle = begin + (count - begin) / 2;
-  // Told too late means that a later phone time belongs there: the offset is too great.
-  row.error_s = lateness_s(told, real, begin, count);
-  const double between_s = 0.5 * static_cast<double>(count - begin) / kFrameRateHz;
-  row.drift_error_ppm =
-      1e6 * (lateness_s(told, real, middle, count) - lateness_s(told, real, begin, middle)) / between_s;
-  row.sigma_s = found->alignment.offset_sigma_s;
-  row.drift_sigma_ppm = found->alignment.drift_sigma_ppm;
-  row.agreement = found->alignment.agreement;
+  const phone::TimeAlignment& at = found->alignment;
+  // When the phone tells what was then, its time; by the clocks themselves.
+  const auto told_s = [&](double sensors_s) {
+    const double true_s = filmed.reference.true_s(begin + from_seconds(sensors_s));
+    return to_seconds(filmed.phone.device(true_s + filmed.phone_lag_s) - track.begin);
+  };
+  row.error_s = at.offset_s - (at.middle_s - told_s(at.middle_s));
+  const double half_s = 0.5 * at.overlap_s;
+  const double length_s = told_s(at.middle_s + half_s) - told_s(at.middle_s - half_s);
+  row.drift_error_ppm = at.drift_ppm - 1e6 * (at.overlap_s / length_s - 1);
+  row.sigma_s = at.offset_sigma_s;
+  row.drift_sigma_ppm = at.drift_sigma_ppm;
+  row.agreement = at.agreement;
   return row;
 }
 
@@ -287,9 +257,7 @@ Result<PhoneStudy> study_phone(const PhoneStudyRequest& request, const Progress&
     const std::uint64_t seed = request.seed * 100 + i;
     const std::string face = fmt::format("builtin:{}", seed);
     MIEN_TRY_ASSIGN(const Filmed filmed, film(request, motion, face, "device", seed, hard_phone()));
-    MIEN_TRY_ASSIGN(const Filmed clean,
-                    film(request, motion, face, "device", seed, true_to_life(hard_phone())));
-    MIEN_TRY_ASSIGN(out.sync.emplace_back(), sync_row(seed, filmed, clean));
+    MIEN_TRY_ASSIGN(out.sync.emplace_back(), sync_row(seed, filmed));
   }
   for (const Wearer& wearer : wearers)
     for (const char* devices : {"lab", "device"}) {

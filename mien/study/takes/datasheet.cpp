@@ -59,6 +59,7 @@ class Datasheet {
   void what_it_is();
   void who();
   void how_recorded();
+  void videos();
   void files();
   void labels();
   void shapes();
@@ -104,29 +105,30 @@ void Datasheet::who() {
   add("Names are as people gave them with their consent: names or codes. Numbers of a face's motion are "
       "personal "
       "data; what they may be used for is what their owner agreed to.\n\n");
-  add("| person | set | takes | minutes | recorded and kept by | for | sound recorded |\n"
-      "|---|---|---|---|---|---|---|\n");
+  add("| person | set | takes | minutes | recorded and kept by | for | sound recorded | video "
+      "recorded |\n"
+      "|---|---|---|---|---|---|---|---|\n");
   struct Amount {
     std::size_t takes = 0;
     double seconds = 0;
   };
   for (const RecordedPerson& person : exported_.dataset.people) {
     // What they agreed to may be different from one take to the next.
-    std::map<std::tuple<bool, std::string, std::string, bool>, Amount> agreed;
+    std::map<std::tuple<bool, std::string, std::string, bool, bool>, Amount> agreed;
     for (const std::size_t place : person.takes) {
       const TakeOverview& take = exported_.dataset.takes[place];
       const session::Consent consent = take.consent.value_or(session::Consent());
-      Amount& amount =
-          agreed[{take.consent.has_value(), consent.recorded_by, consent.purpose, consent.sound}];
+      Amount& amount = agreed[{take.consent.has_value(), consent.recorded_by, consent.purpose, consent.sound,
+                               consent.video}];
       ++amount.takes;
       amount.seconds += take.seconds.counted;
     }
     for (const auto& [terms, amount] : agreed) {
-      const auto& [consented, by, purpose, sound] = terms;
-      add("| {} | {} | {} | {:.1f} | {} | {} | {} |\n", markdown_text(person.name, 60), set_of(person.name),
-          amount.takes, minutes(amount.seconds),
+      const auto& [consented, by, purpose, sound, video] = terms;
+      add("| {} | {} | {} | {:.1f} | {} | {} | {} | {} |\n", markdown_text(person.name, 60),
+          set_of(person.name), amount.takes, minutes(amount.seconds),
           consented ? markdown_text(by, 200) : "nobody: a virtual performer",
-          consented ? markdown_text(purpose, 1000) : "any", sound ? "yes" : "no");
+          consented ? markdown_text(purpose, 1000) : "any", sound ? "yes" : "no", video ? "yes" : "no");
     }
   }
   add("\n");
@@ -163,6 +165,27 @@ void Datasheet::how_recorded() {
   for (const std::string& name : software)
     if (names.size() < 10) names.push_back(markdown_text(name, 60));
   add("\nRecorded with {}.\n\n", fmt::join(names, ", "));
+  videos();
+}
+
+void Datasheet::videos() {
+  std::size_t takes = 0, files = 0;
+  double megabytes = 0;
+  for (const TakeOverview& take : exported_.dataset.takes) {
+    takes += take.videos.empty() ? 0 : 1;
+    files += take.videos.size();
+    megabytes += megabytes_of(take.videos);
+  }
+  if (files == 0) {
+    add("No video of a face was beside these takes.\n\n");
+    return;
+  }
+  add("Beside {} of the takes lies video of the performer's face, in {} files of {:.1f} MB together. None of "
+      "it "
+      "is in this export: a face on video tells who somebody is. Whoever may have it gets it from who keeps "
+      "the "
+      "takes.\n\n",
+      takes, files, megabytes);
 }
 
 void Datasheet::files() {
@@ -256,7 +279,8 @@ void Datasheet::limits() {
   for (const TakeOverview& take : exported_.dataset.takes) by_phone = by_phone || take.sync;
   if (by_phone)
     add("- A phone's truth is what a phone tells: it smooths, and two phones disagree about one face.\n");
-  add("- Sound is in the takes, not here; so are texts that were read, packets and samples.\n"
+  add("- Sound is in the takes, and video beside them, not here; so are texts that were read, packets and "
+      "samples.\n"
       "- Lines that were poor may be missing for a reason that has to do with the face: sensors come off, "
       "and "
       "faces are lost, where they move most.\n"

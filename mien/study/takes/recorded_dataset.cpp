@@ -42,7 +42,7 @@ Result<std::vector<fs::path>> take_files(const fs::path& folder) {
 }
 
 LeftOutTake left_out_by(const fs::path& path, std::string performer, Error error) {
-  return {path, std::move(performer), error.code, std::move(error.what)};
+  return {path, std::move(performer), error.code, std::move(error.what), videos_beside(path)};
 }
 
 /// The sensors that most takes have.
@@ -115,8 +115,8 @@ Result<FoundTakes> find_takes(const fs::path& folder, std::vector<std::string> s
                         fewer.empty()
                             ? ""
                             : fmt::format("{}{} missing", more.empty() ? " " : ", ", fmt::join(fewer, ", ")));
-    found.left_out.push_back(
-        {paths[i], std::move(take.performer), ErrorCode::mismatch, excerpt(how, 3 * kComplaintLetters)});
+    found.left_out.push_back({paths[i], std::move(take.performer), ErrorCode::mismatch,
+                              excerpt(how, 3 * kComplaintLetters), videos_beside(paths[i])});
   }
   std::ranges::sort(found.left_out, {}, &LeftOutTake::path);
   return found;

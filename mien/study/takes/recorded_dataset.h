@@ -20,7 +20,8 @@ struct LeftOutTake {
   std::filesystem::path path;
   std::string performer;  ///< Empty where nobody is known.
   ErrorCode code = ErrorCode::internal;
-  std::string why;  ///< A phrase without a full stop.
+  std::string why;                     ///< A phrase without a full stop.
+  std::vector<TakeVideo> videos = {};  ///< Beside it.
 
   /// "b.mien: nobody consented to being in a dataset".
   [[nodiscard]] std::string sentence() const;

@@ -271,6 +271,7 @@ Result<RecordedTake> read_recorded_take(const take::Take& take) {
         take.path().string(), "record it again");
   const take::Header& header = take.header();
   out.overview.path = take.path();
+  out.overview.videos = videos_beside(take.path());
   out.overview.performer = std::move(identity.performer);
   if (identity.part) out.overview.consent = std::move(identity.part->consent);
   out.overview.software = excerpt(header.software, kOverviewLetters);

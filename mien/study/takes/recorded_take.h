@@ -14,6 +14,7 @@
 #include "mien/phone/time_alignment.h"
 #include "mien/session/recorded_lines.h"
 #include "mien/study/dataset.h"
+#include "mien/study/takes/take_videos.h"
 #include "mien/study/takes/weight_histogram.h"
 #include "mien/take/take.h"
 
@@ -72,7 +73,8 @@ struct TakeOverview {
   std::string software, created_utc, rig, devices;  ///< By the take's header.
   bool finished = true;                             ///< False: cut off, or still being recorded.
   TakeSeconds seconds;
-  double sound_s = 0;  ///< Sound in that part.
+  double sound_s = 0;             ///< Sound in that part.
+  std::vector<TakeVideo> videos;  ///< Beside it.
   /// None: the truth is the performer's own, at the frames' times.
   std::optional<TakeSync> sync;
   std::size_t good_lines = 0, poor_lines = 0;

@@ -9,7 +9,6 @@
 
 #include "mien/phone/live_link_protocol.h"
 #include "mien/virtual/node.h"
-#include "mien/virtual/phone/phone_simulator.h"
 #include "mien/virtual/reception.h"
 #include "mien/virtual/speaking_node.h"
 
@@ -22,10 +21,6 @@ constexpr std::string_view kPhone = "phone";
 /// packet comes before theirs, and a take is as long with it as without.
 double film_ends_s(const face::MotionCurve& curve) {
   return curve.duration_s();
-}
-
-PhoneSimulator phone_before(const Stage& stage, const PhoneFaults& faults) {
-  return {faults, stage.motion.times.motion_start_s, stage.devices.fork(kPhone)};
 }
 
 class PhoneOnNetwork final : public NodeDevices {
@@ -58,6 +53,10 @@ class PhoneOnNetwork final : public NodeDevices {
 };
 
 }  // namespace
+
+PhoneSimulator phone_before(const Stage& stage, const PhoneFaults& faults) {
+  return {faults, stage.motion.times.motion_start_s, stage.devices.fork(kPhone)};
+}
 
 performer::PrologueNeeds WornPhone::prologue(const Stage&) const {
   return {.neutral_s = 0, .gestures = false};

@@ -5,10 +5,15 @@
 #include "mien/core/random.h"
 #include "mien/face/face.h"
 #include "mien/virtual/phone/phone_faults.h"
+#include "mien/virtual/phone/phone_simulator.h"
 #include "mien/virtual/stage.h"
 #include "mien/virtual/worn_devices.h"
 
 namespace mien::virt {
+
+/// The phone of these faults on that stage: what it sends, and its clock, are the same whenever it is asked
+/// for.
+[[nodiscard]] PhoneSimulator phone_before(const Stage& stage, const PhoneFaults& faults);
 
 /// A phone that looks at the performer's face beside what is worn, and tells it in Live Link Face's packets.
 class WornPhone final : public WornDevices {

@@ -14,6 +14,7 @@ const SUBJECTS: Readonly<Record<string, string>> = {
   frames_held: "hold", frames_punctual: "hold",
   sensor_lost: "sensor", sensor_back: "sensor",
   line_lost: "line", line_back: "line",
+  packets_lost: "sender", packets_taken: "sender",
 };
 
 /**

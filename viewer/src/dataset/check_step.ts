@@ -4,6 +4,7 @@ import type { Script } from "../dataset_protocol";
 import { h, KeyedList, setAttribute, setHidden, setText } from "../dom";
 import { sensorLabel } from "../format";
 import { healthOf, type Severity } from "../health";
+import type { BrowserCamera } from "../browser_camera";
 import type { BrowserMicrophone } from "../microphone";
 import type { PromptStatus } from "../prompt_protocol";
 import type { Link, Status } from "../protocol";
@@ -11,6 +12,7 @@ import type { Session } from "../session";
 import { askedAgain } from "./line_log";
 import { MicrophoneCheck } from "./microphone_check";
 import { phonesOf, sensorsOf } from "./roles";
+import { VideoCheck } from "./video_check";
 import { aboutMinutes, blockSentence, blocksOf, lineCount, titled } from "./words";
 
 const WORST_FIRST: readonly Severity[] = ["bad", "warn", "idle", "good"];
@@ -48,13 +50,17 @@ export class CheckStep {
   private readonly noPhone = h("p", { text: "No phone is there: the recording will have no truth to learn from. Start one that sends to this session, or go on without." });
   private readonly phones: KeyedList<Link, LinkRow>;
   private readonly microphone: MicrophoneCheck;
+  private readonly video: VideoCheck;
   private readonly begin: HTMLButtonElement;
 
   constructor(
     private readonly session: Session,
     actions: Actions,
     microphone: BrowserMicrophone,
+    camera: BrowserCamera,
+    wantsVideo: (on: boolean) => void,
   ) {
+    this.video = new VideoCheck(camera, wantsVideo);
     this.microphone = new MicrophoneCheck(session, microphone);
     this.begin = h("button", { type: "button", class: "button large primary", onclick: () => void actions.steerPrompts("begin") }, "Begin the block ", h("kbd", { text: "Enter" }));
     const troubles = h("ul", { class: "check-list" });
@@ -70,7 +76,7 @@ export class CheckStep {
       this.what,
       this.facts,
       this.news,
-      h("div", { class: "check-parts" }, this.sensors, h("div", { class: "check-column" }, this.phone, this.microphone.element)),
+      h("div", { class: "check-parts" }, this.sensors, h("div", { class: "check-column" }, this.phone, this.microphone.element, this.video.element)),
       h("div", { class: "recorder-foot" }, h("p", { class: "quiet", text: "What is not well is recorded all the same." }), this.begin),
     );
   }
@@ -104,6 +110,7 @@ export class CheckStep {
     this.phones.update(worstFirst(phones));
     setAttribute(this.phone, "data-severity", phones.length === 0 ? "idle" : healthOf(worstFirst(phones)[0]?.state ?? "").severity);
     this.microphone.update(status);
+    this.video.update(status);
   }
 
   /** What was poor with the line before the block; "": nothing. */

@@ -1,5 +1,6 @@
 /** Consent, a page of its own: what is recorded, where, by whom and for what. Without the performer's tick nothing begins. */
 import { type DatasetWish, LONGEST } from "../dataset_protocol";
+import { canFilm } from "../browser_camera";
 import { isCamera } from "../camera_words";
 import { h, setHidden, setText } from "../dom";
 import type { Hello, Status } from "../protocol";
@@ -19,6 +20,8 @@ export class ConsentStep {
   private readonly purpose = h("textarea", { class: "field", rows: 3, maxlength: LONGEST.purpose, dir: "auto", placeholder: "To what use it may be put" });
   private readonly sound = h("input", { type: "checkbox" });
   private readonly soundWords = h("span", { class: "quiet" });
+  private readonly video = h("input", { type: "checkbox" });
+  private readonly videoOption = h("label", { class: "recorder-option" }, this.video, h("span", {}, "Record my face on video, beside the take ", h("span", { class: "quiet", text: "By this browser's camera, without sound. It shows who you are; no training uses it." })));
   private readonly agreed = h("input", { type: "checkbox", id: "recorder-agreed" });
   private readonly agreement = h("span");
   private readonly problem = h("p", { class: "recorder-problem", role: "alert", hidden: true });
@@ -43,10 +46,11 @@ export class ConsentStep {
         this.phone,
         this.cameras,
         h("li", { text: "The texts that you read and the faces that you are asked for, with the times at which you were." }),
-        h("li", { text: "The sound of your voice, if you choose so below." }),
-        h("li", { text: "A take holds everything that the sensors have sent since the session began, also what they sent before you pressed Begin. Only what comes after it counts as the dataset's." }),
+        h("li", { text: "The sound of your voice and a video of your face, if you choose so below." }),
+        h("li", { text: "A take holds everything that the sensors have sent since the session began, and the microphone if you agree to it: also what came before you pressed Begin. Only what comes after it counts as the dataset's." }),
       ),
       h("label", { class: "recorder-option" }, this.sound, h("span", {}, "Record the sound of my voice too ", this.soundWords)),
+      this.videoOption,
       h("h3", { text: "Where, by whom, and what for" }),
       this.place,
       h("label", { class: "recorder-field" }, h("span", { class: "recorder-label", text: "Recorded by" }), this.recordedBy),
@@ -76,11 +80,13 @@ export class ConsentStep {
     this.choice = choice;
     this.agreed.checked = false;
     this.sound.checked = false;
+    this.video.checked = false;
+    setHidden(this.videoOption, !canFilm());
     this.recordedBy.value = this.memory.value.recordedBy;
     this.purpose.value = this.memory.value.purpose;
     setText(this.lead, `For ${choice.performer}, before anything is recorded for the dataset “${choice.dataset}”. Please read it, and ask about whatever is not clear.`);
     setText(this.place, `All of it stays in the folder “${choice.dataset}”, beside the other takes on the machine that runs this session. The recording is sent nowhere.`);
-    setText(this.removal, `Each recording is one file, a take: deleting its file deletes it, and deleting the folder deletes the dataset. Whoever is named above can do that. What the session itself keeps meanwhile is gone when it ends.`);
+    setText(this.removal, `Each recording is one file, a take: deleting its file deletes it, a video beside it is a file of the same name, and deleting the folder deletes the dataset. Whoever is named above can do that. What the session itself keeps meanwhile is gone when it ends.`);
     setText(this.agreement, `I am ${choice.performer}. I have read this, and I agree to be recorded.`);
     this.complain("");
   }
@@ -104,6 +110,7 @@ export class ConsentStep {
   private complain(problem: string): void {
     setText(this.problem, problem);
     setHidden(this.problem, problem === "");
+    if (problem !== "") this.problem.scrollIntoView({ block: "nearest" });
     this.element.classList.toggle("unticked", problem !== "" && !this.agreed.checked);
   }
 
@@ -117,7 +124,8 @@ export class ConsentStep {
     const missing = recordedBy === "" ? "Say who records this and keeps it." : purpose === "" ? "Say what it is recorded for." : "";
     if (missing !== "" || !this.agreed.checked) {
       this.complain(missing || `Nothing is recorded without consent: ${performer} has to tick the box above first.`);
-      (recordedBy === "" ? this.recordedBy : purpose === "" ? this.purpose : this.agreed).focus();
+      // The words stay in sight, below the field that they are about.
+      (recordedBy === "" ? this.recordedBy : purpose === "" ? this.purpose : this.agreed).focus({ preventScroll: true });
       return;
     }
     this.complain("");
@@ -125,7 +133,7 @@ export class ConsentStep {
     this.busy = true;
     this.begin.disabled = true;
     setText(this.begin, "Beginning …");
-    const problem = await this.ask({ name: dataset, script: script.name, performer, recorded_by: recordedBy, purpose, sound: this.sound.checked, agreed: true, pace });
+    const problem = await this.ask({ name: dataset, script: script.name, performer, recorded_by: recordedBy, purpose, sound: this.sound.checked, video: this.video.checked && canFilm(), agreed: true, pace });
     this.busy = false;
     this.begin.disabled = false;
     setText(this.begin, "Begin");

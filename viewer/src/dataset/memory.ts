@@ -28,10 +28,12 @@ export interface Remembered {
   poor: PoorLine[];
   /** Its end was read and put away. */
   dismissed: boolean;
+  /** This browser's camera records its video. */
+  video: boolean;
 }
 
 const NOTHING: Remembered = {
-  dataset: "", script: "", performer: "", recordedBy: "", purpose: "", pace: "key", take: "", before: null, poor: [], dismissed: false,
+  dataset: "", script: "", performer: "", recordedBy: "", purpose: "", pace: "key", take: "", before: null, poor: [], dismissed: false, video: false,
 };
 
 /** Reads what was kept; what is missing or odd becomes nothing. */
@@ -55,6 +57,7 @@ export function readMemory(kept: string | null): Remembered {
     before: typeof before === "number" ? number(before) : null,
     poor: list(fields["poor"], (one) => ({ name: text(one["name"]), what: text(one["what"]), language: text(one["language"]), poor: texts(one["poor"]) })),
     dismissed: fields["dismissed"] === true,
+    video: fields["video"] === true,
   };
 }
 
@@ -86,6 +89,6 @@ export class Memory {
 
   /** Another take: what was seen of the one before is void. */
   beginTake(take: string): void {
-    if (take !== this.kept.take) this.set({ take, before: NOTHING.before, poor: NOTHING.poor, dismissed: NOTHING.dismissed });
+    if (take !== this.kept.take) this.set({ take, before: NOTHING.before, poor: NOTHING.poor, dismissed: NOTHING.dismissed, video: NOTHING.video });
   }
 }

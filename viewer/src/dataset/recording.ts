@@ -8,6 +8,7 @@ import type { DatasetList, DatasetWish, Script } from "../dataset_protocol";
 import { performerOf } from "../dataset_protocol";
 import { h, setAttribute, setHidden, setText } from "../dom";
 import { clock } from "../format";
+import type { BrowserCamera } from "../browser_camera";
 import type { BrowserMicrophone } from "../microphone";
 import { isAsking, type PromptStatus } from "../prompt_protocol";
 import type { Status } from "../protocol";
@@ -54,6 +55,8 @@ export class Recording {
   private readonly summary: SummaryStep;
   private readonly bodies: Readonly<Record<Step, { element: HTMLElement; focus(): void }>>;
   private readonly chip = h("span", { class: "chip", "data-tone": "idle" });
+  /** Whether the face is on video, where the performer agreed to that. */
+  private readonly film = h("span", { class: "recorder-film", role: "status", hidden: true });
   private readonly whose = h("span", { class: "recorder-whose", dir: "auto" });
   private readonly steps = h("ol", { class: "recorder-steps" }, ...STEPS.map(([name]) => h("li", { text: name })));
   private readonly aside = h("button", { type: "button", class: "button", text: "Show the page", onclick: () => this.setAside(true) });
@@ -82,13 +85,14 @@ export class Recording {
     private readonly session: Session,
     private readonly actions: Actions,
     microphone: BrowserMicrophone,
+    private readonly camera: BrowserCamera,
     private readonly notices: HTMLElement,
   ) {
     this.log = new LineLog(this.memory.value.poor);
     this.logged = this.memory.value.take;
     this.what = new WhatStep(this.memory, (choice) => this.askConsent(choice), () => this.dismiss());
     this.consent = new ConsentStep(this.memory, (wish) => this.begin(wish), () => this.open());
-    this.check = new CheckStep(session, actions, microphone);
+    this.check = new CheckStep(session, actions, microphone, camera, (on) => this.wantVideo(on));
     this.lines = new Teleprompter(actions, () => this.memory.value.pace === "voice", (number) => this.log.skip(number));
     this.summary = new SummaryStep(() => void this.watch(), () => this.recordOn(), () => this.dismiss());
     this.bodies = { what: this.what, consent: this.consent, check: this.check, lines: this.lines, summary: this.summary };
@@ -99,7 +103,7 @@ export class Recording {
       h("div", { class: "button-row" }, h("button", { type: "button", class: "button large primary", text: "End the recording", onclick: () => void this.endNow() }), this.stay),
     );
     this.element.append(
-      h("header", { class: "recorder-head" }, this.chip, this.whose, h("span", { class: "spring" }), this.steps, this.aside, this.end, this.close),
+      h("header", { class: "recorder-head" }, this.chip, this.film, this.whose, h("span", { class: "spring" }), this.steps, this.aside, this.end, this.close),
       this.trouble,
       h("div", { class: "recorder-body" }, this.confirmation, ...Object.values(this.bodies).map((body) => body.element)),
     );
@@ -181,6 +185,7 @@ export class Recording {
     }
     this.step = step;
     if (!isRunning(step)) this.isAside = false;
+    this.followVideo(status);
     this.drawHead(status);
     if (step === "consent") this.consent.update(this.session.hello.value, status);
     if (step === "what") this.what.setHearing(status?.hearing ?? null);
@@ -229,6 +234,10 @@ export class Recording {
     const off = running && !lost && !recording?.on;
     setText(this.chip, off ? "not recording" : recording?.on && !lost ? `recording ${clock(recording.seconds)}` : word.text);
     setAttribute(this.chip, "data-tone", off ? "bad" : word.tone);
+    const video = status?.video;
+    setHidden(this.film, !running || !video?.agreed);
+    setText(this.film, video?.on && !lost ? "video" : "no video");
+    setAttribute(this.film, "data-on", String(video?.on === true && !lost));
     const dataset = status?.dataset;
     setText(this.whose, running && dataset ? `${dataset.performer} · ${dataset.name}` : "");
     setHidden(this.aside, !running);
@@ -265,6 +274,18 @@ export class Recording {
     });
   }
 
+  /** This browser's camera records the take that runs, as long as the session lets it. */
+  private followVideo(status: Status | null): void {
+    const dataset = status?.dataset;
+    if (!dataset || this.camera.state.value.kind !== "off" || !this.session.connected) return;
+    if (this.memory.value.video && this.memory.value.take === dataset.take && !dataset.over && status.video?.agreed) void this.camera.start();
+  }
+
+  private wantVideo(on: boolean): void {
+    this.memory.set({ video: on });
+    this.camera.toggle();
+  }
+
   private list(): Promise<void> {
     this.listing ??= this.actions.listDatasets().then((known) => {
       this.listing = null;
@@ -285,6 +306,12 @@ export class Recording {
     if (!reply.ok) return reply.error || "The session refused, and does not say why.";
     const take = reply.result?.["take"];
     this.begun = typeof take === "string" ? (take.split(/[/\\]/).pop() ?? "") : "";
+    if (this.begun !== "") {
+      this.memory.beginTake(this.begun);
+      this.memory.set({ video: wish.video });
+      // Whatever stood against it in another recording.
+      this.camera.stop();
+    }
     this.update(this.session.status.value);
     return "";
   }

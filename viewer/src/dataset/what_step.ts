@@ -14,10 +14,13 @@ export interface Choice {
   pace: Pace;
 }
 
-/** Whether somebody's voice could be followed. */
+/** Whether somebody's voice could be followed. Of a browser's microphone it is known whether it is heard; a session that has another one listens to it. */
 export function isHeard(hearing: Hearing | null): boolean {
-  return hearing !== null && hearing.on && !hearing.shut && hearing.trouble === "" && (hearing.blocks > 0 || hearing.browser?.heard === true);
+  return hearing !== null && hearing.on && !hearing.shut && hearing.trouble === "" && (hearing.browser === null || hearing.browser.heard || hearing.blocks > 0);
 }
+
+/** Names of datasets are those of folders, as the session takes them. */
+const FOLDER_NAME = /^[A-Za-z0-9_-]+$/;
 
 export class WhatStep {
   readonly element = h("form", { class: "recorder-step", "aria-labelledby": "recorder-what", novalidate: true });
@@ -124,7 +127,7 @@ export class WhatStep {
     const key = JSON.stringify(scripts);
     if (key === this.shownScripts) return;
     this.shownScripts = key;
-    const chosen = scripts.find((one) => one.name === preferred) ?? scripts[0];
+    const chosen = scripts.find((one) => one.name === preferred) ?? scripts.find((one) => navigator.language.split("-")[0] === one.language) ?? scripts[0];
     this.scripts.replaceChildren(...scripts.map((one) => scriptCard(one, one === chosen)));
   }
 
@@ -144,10 +147,11 @@ export class WhatStep {
     const { script } = this;
     const dataset = this.dataset.value;
     const performer = this.performer.value;
-    const missing = dataset === "" ? "Give the dataset a name." : performer === "" ? "Say who performs: a name, or a code." : !script ? "Choose a script." : "";
+    const named = FOLDER_NAME.test(dataset);
+    const missing = dataset === "" ? "Give the dataset a name." : !named ? "A dataset's name has letters from A to Z, digits, - and _ alone: it names a folder." : performer === "" ? "Say who performs: a name, or a code." : !script ? "Choose a script." : "";
     setText(this.problem, missing);
     setHidden(this.problem, missing === "");
-    if (dataset === "") this.dataset.focus();
+    if (!named) this.dataset.focus();
     else if (performer === "") this.performer.focus();
     if (missing !== "" || !script) return;
     const pace: Pace = this.byVoice.checked ? "voice" : "key";

@@ -31,7 +31,7 @@ export class PhoneLessonSection {
     const lesson = status.phoneLesson;
     const runs = lesson?.state === "recording" || lesson?.state === "learning";
     const calibrated = status.calibration.versions.some((one) => one.inForce);
-    const seen = status.links.some((link) => this.truths.includes(link.sensor) && link.state === "good");
+    const seen = status.links.some((link) => this.truths.includes(link.sensor) && (link.state === "good" || link.state === "late"));
     this.begin.disabled = runs || !calibrated || !seen || status.recording.on || status.replay !== null;
     setHidden(this.cancel, lesson?.state !== "recording");
     setText(this.sentence, this.say(lesson, calibrated, seen));
@@ -39,9 +39,14 @@ export class PhoneLessonSection {
 
   private say(lesson: PhoneLesson | null, calibrated: boolean, seen: boolean): string {
     if (lesson?.state === "recording") return "Do what is asked for, with your face before the phone.";
-    if (lesson?.state === "learning") return "Learning from what was recorded: some seconds.";
+    if (lesson?.state === "learning") return "Learning from what was recorded: ten seconds or so, longer on a busy machine. The face goes on moving meanwhile.";
     if (!calibrated) return "Calibrate first.";
     if (!seen) return "The phone sees no face now. Hold it before you, and see to the light.";
-    return lesson?.sentence ?? "";
+    return asSentence(lesson?.sentence ?? "");
   }
+}
+
+/** The session's words begin small and have no full stop: they stand in lists and logs, too. */
+function asSentence(words: string): string {
+  return words === "" ? "" : `${words[0]?.toUpperCase()}${words.slice(1)}.`;
 }

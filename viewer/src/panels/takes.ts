@@ -18,7 +18,7 @@ export class TakesPanel {
   /** `recordDataset` opens what asks a performer for lines. */
   constructor(session: Session, actions: Actions, recordDataset: () => void) {
     const list = h("ul", { class: "takes" });
-    const empty = h("p", { class: "quiet", text: "No takes yet. What you record appears here." });
+    const empty = h("p", { class: "quiet", text: "No takes yet. What you record appears here; a dataset's takes are in its folder (mien dataset lists them)." });
     const refresh = h("button", { type: "button", class: "text-button", text: "Look again", onclick: () => void session.refreshTakes() });
     this.element.append(
       this.about,
