@@ -6,17 +6,16 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
 #include <libavutil/channel_layout.h>
 #include <libavutil/samplefmt.h>
 #include <libswresample/swresample.h>
 }
+
+#include "mien/study/media/film_file.h"
 
 namespace mien::media {
 namespace fs = std::filesystem;
@@ -31,21 +30,9 @@ constexpr double kJoins_s = 0.01;
 /// Samples that a frame may become at once: ten seconds at the highest rate.
 constexpr int kMostAtOnce = 10 * kMostRate_hz;
 
-struct CloseSound {
-  void operator()(AVFormatContext* p) const { avformat_close_input(&p); }
-  void operator()(AVCodecContext* p) const { avcodec_free_context(&p); }
-  void operator()(AVFrame* p) const { av_frame_free(&p); }
-  void operator()(AVPacket* p) const { av_packet_free(&p); }
+struct CloseResampler {
   void operator()(SwrContext* p) const { swr_free(&p); }
 };
-template <class T>
-using HeldSound = std::unique_ptr<T, CloseSound>;
-
-std::string said(int code) {
-  std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
-  av_strerror(code, text.data(), text.size());
-  return text.data();
-}
 
 /// Of the film's own track, or of its pictures', which name it.
 std::optional<FilmStart> start_of(const AVFormatContext& film) {
@@ -77,48 +64,18 @@ std::array<const std::uint8_t*, SoundReader::kMostChannels> planes_from(const AV
 
 }  // namespace
 
-struct SoundReader::State {
-  std::string path;
-  int rate_hz = 0;
-  HeldSound<AVFormatContext> file;
-  HeldSound<AVCodecContext> decoder;
-  HeldSound<AVFrame> frame{av_frame_alloc()};
-  HeldSound<AVPacket> packet{av_packet_alloc()};
-  HeldSound<SwrContext> converter;
-  HeldSound<AVFrame> silent;  // A tenth of a second.
-  int stream = -1;
-  std::optional<FilmStart> start;
+struct SoundReader::State : FilmFile {
+  explicit State(int asked_hz)
+      : FilmFile{"its sound", "sound", "convert it to MP4 or WAV", kMostWithoutSound}, rate_hz(asked_hz) {}
+
+  int rate_hz;
+  std::unique_ptr<SwrContext, CloseResampler> converter;
+  HeldFilm<AVFrame> silent;  // A tenth of a second.
+  std::optional<FilmStart> film_start;
   double begin_s = 0;      // The film's time 0, on its streams' clocks.
   std::int64_t taken = 0;  // Samples that the converter was given, as the film has them, silence too.
   std::vector<float> out;
-  bool drained = false, over = false;
-
-  [[nodiscard]] std::unexpected<Error> refused(ErrorCode code, std::string what) const {
-    return fail(code, std::move(what), path, "convert it to MP4 or WAV");
-  }
-
-  /// Fills the decoder until it has sound. False: there is no more.
-  Result<bool> decode() {
-    for (int without = 0; without < kMostWithoutSound; ++without) {
-      const int got = avcodec_receive_frame(decoder.get(), frame.get());
-      if (got == 0) return true;
-      if (got == AVERROR_EOF) return false;
-      if (got != AVERROR(EAGAIN))
-        return refused(ErrorCode::malformed, "its sound does not decode: " + said(got));
-      if (drained) return false;
-      const int read = av_read_frame(file.get(), packet.get());
-      if (read < 0) {
-        if (read != AVERROR_EOF) return refused(ErrorCode::malformed, "it breaks off: " + said(read));
-        drained = true;
-        avcodec_send_packet(decoder.get(), nullptr);
-        continue;
-      }
-      const int sent = packet->stream_index == stream ? avcodec_send_packet(decoder.get(), packet.get()) : 0;
-      av_packet_unref(packet.get());
-      if (sent < 0) return refused(ErrorCode::malformed, "its sound does not decode: " + said(sent));
-    }
-    return refused(ErrorCode::malformed, "it goes on without sound");
-  }
+  bool over = false;
 
   /// By the first frame: how its sound becomes ours, and what silence is.
   Result<void> begin() {
@@ -165,7 +122,8 @@ struct SoundReader::State {
     out.resize(before + static_cast<std::size_t>(most));
     auto* into = reinterpret_cast<std::uint8_t*>(out.data() + before);
     const int made = swr_convert(converter.get(), &into, most, data, samples);
-    if (made < 0) return refused(ErrorCode::malformed, "its sound cannot be converted: " + said(made));
+    if (made < 0)
+      return refused(ErrorCode::malformed, "its sound cannot be converted: " + ffmpeg_words(made));
     out.resize(before + static_cast<std::size_t>(made));
     return {};
   }
@@ -202,34 +160,19 @@ SoundReader& SoundReader::operator=(SoundReader&&) noexcept = default;
 SoundReader::~SoundReader() = default;
 
 Result<SoundReader> SoundReader::open(const fs::path& path, int rate_hz) {
-  auto state = std::make_unique<State>();
-  state->path = path.string();
-  state->rate_hz = rate_hz;
+  auto state = std::make_unique<State>(rate_hz);
   if (rate_hz < kLeastRate_hz || rate_hz > kMostRate_hz)
     return fail(ErrorCode::bad_usage, fmt::format("{} samples a second", rate_hz), path.string(),
                 fmt::format("choose {} to {}", kLeastRate_hz, kMostRate_hz));
-  std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored))
-    return fail(ErrorCode::not_found, "there is no such film", path.string());
-  av_log_set_level(AV_LOG_QUIET);
-  AVDictionary* options = nullptr;
-  av_dict_set(&options, "protocol_whitelist", "file", 0);
-  av_dict_set(&options, "format_whitelist", kSoundFormats, 0);
-  AVFormatContext* opened = nullptr;
-  // With its protocol, so that no part of a name is taken for one.
-  const int code = avformat_open_input(&opened, ("file:" + path.string()).c_str(), nullptr, &options);
-  av_dict_free(&options);
-  if (code < 0) return state->refused(ErrorCode::malformed, "it is no film: " + said(code));
-  state->file.reset(opened);
-  if (const int found = avformat_find_stream_info(opened, nullptr); found < 0)
-    return state->refused(ErrorCode::malformed, "it is no film: " + said(found));
+  MIEN_TRY(state->open(path, kSoundFormats));
+  AVFormatContext* const opened = state->file.get();
   const AVCodec* codec = nullptr;
   state->stream = av_find_best_stream(opened, AVMEDIA_TYPE_AUDIO, -1, -1, &codec, 0);
   if (state->stream == AVERROR_DECODER_NOT_FOUND)
     return state->refused(ErrorCode::unsupported, "it has no sound that this machine's FFmpeg reads");
   if (state->stream < 0 || codec == nullptr)
     return fail(ErrorCode::not_found, "it has no sound", path.string());
-  state->start = start_of(*opened);
+  state->film_start = start_of(*opened);
   const AVStream* clock = opened->streams[state->stream];
   for (unsigned i = 0; i < opened->nb_streams; ++i) {
     AVStream& other = *opened->streams[i];
@@ -242,17 +185,12 @@ Result<SoundReader> SoundReader::open(const fs::path& path, int rate_hz) {
   }
   if (clock->start_time != AV_NOPTS_VALUE)
     state->begin_s = static_cast<double>(clock->start_time) * av_q2d(clock->time_base);
-  state->decoder.reset(avcodec_alloc_context3(codec));
-  avcodec_parameters_to_context(state->decoder.get(), opened->streams[state->stream]->codecpar);
-  state->decoder->pkt_timebase = opened->streams[state->stream]->time_base;
-  state->decoder->thread_count = 1;
-  if (const int started = avcodec_open2(state->decoder.get(), codec, nullptr); started < 0)
-    return state->refused(ErrorCode::unsupported, "its codec does not start: " + said(started));
+  MIEN_TRY(state->start(codec));
   return SoundReader(std::move(state));
 }
 
 const std::optional<FilmStart>& SoundReader::start() const {
-  return state_->start;
+  return state_->film_start;
 }
 
 Result<std::optional<std::span<const float>>> SoundReader::next() {
