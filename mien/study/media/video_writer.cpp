@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 #include <system_error>
@@ -17,6 +16,8 @@ extern "C" {
 #include <libavutil/opt.h>
 #include <libswscale/swscale.h>
 }
+
+#include "mien/study/media/film_file.h"
 
 namespace mien::media {
 namespace fs = std::filesystem;
@@ -34,12 +35,6 @@ struct Free {
 };
 template <class T>
 using Owned = std::unique_ptr<T, Free>;
-
-std::string reason(int code) {
-  std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
-  av_strerror(code, text.data(), text.size());
-  return text.data();
-}
 
 }  // namespace
 
@@ -68,7 +63,7 @@ struct VideoWriter::State {
 
   [[nodiscard]] Result<void> check(int code, const char* what) const {
     if (code >= 0) return {};
-    return fail(ErrorCode::io, fmt::format("{} ({})", what, reason(code)), path.string(),
+    return fail(ErrorCode::io, fmt::format("{} ({})", what, ffmpeg_words(code)), path.string(),
                 "nothing was written");
   }
 
