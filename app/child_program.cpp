@@ -161,15 +161,20 @@ Result<ChildOutput> Child::wait() {
   return output;
 }
 
+bool Child::has_ended() const {
+  siginfo_t ended{};
+  // Looked at only: wait() takes its status.
+  return state_->id <= 0 ||
+         ::waitid(P_PID, static_cast<id_t>(state_->id), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 ||
+         ended.si_pid != 0;
+}
+
 Result<ChildOutput> Child::stop(std::chrono::milliseconds patience) {
   if (state_->id <= 0) return fail(ErrorCode::io, "it has ended already", state_->name);
   ::kill(state_->id, SIGTERM);
   state_->input.close();
   const auto until = std::chrono::steady_clock::now() + patience;
-  siginfo_t ended{};
-  // Looked at only: wait() takes its status.
-  while (::waitid(P_PID, static_cast<id_t>(state_->id), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-         ended.si_pid == 0) {
+  while (!has_ended()) {
     if (std::chrono::steady_clock::now() >= until) {
       ::kill(state_->id, SIGKILL);
       MIEN_TRY(wait());

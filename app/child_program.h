@@ -48,6 +48,8 @@ class Child {
   [[nodiscard]] Result<std::size_t> receive(std::span<std::uint8_t> bytes);
   /// Ends its input, reads no more of it, and waits for its end. Errors: io (it has been waited for already).
   [[nodiscard]] Result<ChildOutput> wait();
+  /// Whether it has ended, so that wait() gives at once what it said.
+  [[nodiscard]] bool has_ended() const;
   /// Asks it to stop (SIGTERM, and its input's end) and waits for that. One that goes on beyond `patience` is
   /// killed. Errors: io (it was killed, or has been waited for already).
   [[nodiscard]] Result<ChildOutput> stop(std::chrono::milliseconds patience);

@@ -8,6 +8,7 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/seed_option.h"
+#include "app/study/study_ablation.h"
 #include "app/study/study_confidence.h"
 #include "app/study/study_hand.h"
 #include "app/study/study_headset.h"
@@ -201,6 +202,7 @@ void add_study_command(Commands& commands) {
   const Command study =
       commands.add("study", "The experiments behind the numbers", "mien study bound --face builtin", nullptr);
   study.require_commands(0, 1);
+  add_study_ablation(commands, study);
   add_study_confidence(commands, study);
   add_drift(commands, study);
   add_skin(commands, study);

@@ -6,8 +6,6 @@
 #include <string_view>
 #include <utility>
 
-#include "app/child_program.h"
-
 extern char** environ;
 
 namespace mien::app {
@@ -61,6 +59,11 @@ Result<std::string> ask_trainer(std::vector<std::string> arguments) {
   if (said.succeeded()) return said.out;
   const std::string line = said.complaints.substr(0, said.complaints.find('\n'));
   return fail(ErrorCode::io, line.empty() ? "it stopped without a word" : line, command.front());
+}
+
+Result<Child> start_trainer(std::vector<std::string> arguments) {
+  MIEN_TRY_ASSIGN(std::vector<std::string> command, command_of(std::move(arguments)));
+  return Child::start(std::move(command), Child::Input::none, environment());
 }
 
 }  // namespace mien::app

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "app/child_program.h"
 #include "mien/core/error.h"
 
 namespace mien::app {
@@ -13,5 +14,8 @@ namespace mien::app {
 
 /// What mien-train prints when it is given these arguments. Errors: not_found (no helper), io (what it says).
 [[nodiscard]] Result<std::string> ask_trainer(std::vector<std::string> arguments);
+
+/// The helper mien-train at work with these arguments. Errors: not_found (no helper), io.
+[[nodiscard]] Result<Child> start_trainer(std::vector<std::string> arguments);
 
 }  // namespace mien::app

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -20,6 +21,10 @@
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
+#ifdef __linux__
+#include <sys/prctl.h>
+#include <unistd.h>
+#endif
 
 namespace {
 
@@ -27,9 +32,10 @@ using namespace mien;
 using Json = nlohmann::ordered_json;
 
 struct TrainArguments {
-  std::string recipe, out, from, face = "builtin", rig, films, views, takes, splits;
+  std::string recipe, out, from, face = "builtin", rig, films, views, takes, splits, data;
   train::TrainOptions options;
   bool json = false;
+  int parent = 0;
 };
 
 void tell_on_stderr(const std::string& line) {
@@ -37,7 +43,16 @@ void tell_on_stderr(const std::string& line) {
   fmt::print(stderr, "mien-train: {}\n", line);
 }
 
+/// Asks itself to stop, which leaves a checkpoint, when the process that started it is gone.
+void end_with(int parent) {
+#ifdef __linux__
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (::getppid() != parent) ::raise(SIGTERM);  // Gone already.
+#endif
+}
+
 Result<void> run_train(const TrainArguments& arguments) {
+  if (arguments.parent > 0) end_with(arguments.parent);
   MIEN_TRY_ASSIGN(const std::string text, read_text(arguments.recipe));
   MIEN_TRY_ASSIGN(const train::Recipe recipe, train::parse_recipe(text, arguments.recipe));
   MIEN_TRY_ASSIGN(const std::filesystem::path rig_path, app::path_or(arguments.rig, "rigs/default.toml"));
@@ -60,6 +75,7 @@ Result<void> run_train(const TrainArguments& arguments) {
                                     .views = arguments.views,
                                     .takes = arguments.takes,
                                     .splits = arguments.splits,
+                                    .data = arguments.data,
                                     .tell = tell_on_stderr},
                                    app::terminal_progress("data")));
   MIEN_TRY_ASSIGN(const train::TrainReport report,
@@ -176,6 +192,9 @@ int main(int argc, char** argv) {
   train_command.add_option("--splits", train.splits,
                            "File of who of the takes is trained on and who validated on, as `mien dataset` "
                            "writes it");
+  train_command.add_option("--data", train.data,
+                           "File of performances that were made before, which IMUs learn from instead of "
+                           "what the recipe's [data] says; studies write such");
   train_command.add_option("--from", train.from,
                            "Begin with this model's network and normalisation instead of with drawn "
                            "weights; --resume wants it again");
@@ -184,6 +203,8 @@ int main(int argc, char** argv) {
   train_command.add_flag("--force", train.options.force, "Replace what stands there, whatever it is");
   train_command.add_option("--device", train.options.device, "cpu, cuda or cuda:N");
   train_command.add_option("--threads", train.options.threads, "Threads on the CPU; 0 takes all cores");
+  train_command.add_option("--parent", train.parent,
+                           "Process that started this one: stop, with a checkpoint, when it is gone");
   train_command.add_flag("--json", train.json, "Print the results as JSON");
 
   std::string parity_model;

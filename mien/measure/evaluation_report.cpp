@@ -36,10 +36,10 @@ std::vector<std::string> row(const std::string& name, const Metrics& m) {
           number(m.blink_f1, 2)};
 }
 
-/// A curve over time, thinned so that a page with minutes of motion stays light: each point the mean of its
-/// frames.
+/// A curve over time: a point a frame, as far as a drawing that can be zoomed has them; of longer takes each
+/// point is the mean of its frames, so that pages stay light.
 Line curve(const std::string& name, const std::vector<float>& values) {
-  constexpr std::size_t kPoints = 1200;
+  constexpr std::size_t kPoints = 6000;
   const std::size_t step = std::max<std::size_t>(1, values.size() / kPoints);
   Line line{name, {}, {}};
   for (std::size_t i = 0; i < values.size(); i += step) {

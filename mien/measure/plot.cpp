@@ -12,6 +12,11 @@ namespace {
 
 constexpr double kWidth = 760, kLeft = 66, kRight = 14, kTop = 10, kBottom = 42;
 
+/// Steps of the numbers that a drawing carries for zoom_script.h, over the whole of each axis.
+constexpr double kStepsOfX = 1e6, kStepsOfY = 5e4;
+/// Points that it carries: of one line, and of all lines together.
+constexpr std::size_t kPointsOfLine = 6000, kPointsOfPlot = 24'000;
+
 std::size_t colour_of(std::size_t series) {
   return series % kSeriesColours + 1;
 }
@@ -35,11 +40,12 @@ double step_of(const std::vector<double>& ticks) {
   return ticks.size() > 1 ? ticks[1] - ticks[0] : 1;
 }
 
-void open_svg(std::string& out, double height, const std::string& title) {
+/// `more`: further attributes, each with a space before it.
+void open_svg(std::string& out, double height, const std::string& title, const std::string& more = "") {
   fmt::format_to(
       std::back_inserter(out),
-      "<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" xmlns=\"http://www.w3.org/2000/svg\">\n",
-      kWidth, height, escaped(title));
+      "<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" xmlns=\"http://www.w3.org/2000/svg\"{}>\n",
+      kWidth, height, escaped(title), more);
 }
 
 void text_at(std::string& out, double x, double y, const char* anchor, const std::string& words,
@@ -48,56 +54,99 @@ void text_at(std::string& out, double x, double y, const char* anchor, const std
                  x, y, anchor, more, escaped(words));
 }
 
-void value_axis(std::string& out, const std::vector<double>& ticks, const Scale& y, double right,
-                const std::string& label) {
+void value_axis(std::string& out, const std::vector<double>& ticks, const Scale& y, double right) {
   for (const double t : ticks) {
     fmt::format_to(std::back_inserter(out),
                    "<line class=\"grid\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>\n", kLeft, right,
                    y(t), y(t));
     text_at(out, kLeft - 8, y(t) + 4, "end", tick_text(t, step_of(ticks)));
   }
+}
+
+void value_label(std::string& out, const Scale& y, const std::string& label) {
   const double middle = 0.5 * (y.from + y.to);
   text_at(out, 13, middle, "middle", label,
           fmt::format(" transform=\"rotate(-90 13 {:.1f})\"", middle).c_str());
 }
 
-/// A path through the points; where there are far more of them than pixels, the lowest and highest of each
-/// pixel column stand for it, so that no spike is lost.
-std::string path_of(const Line& line, const Scale& x, const Scale& y) {
-  struct Point {
-    double x, y;
-  };
-  const std::size_t n = std::min(line.x.size(), line.y.size());
-  std::vector<std::vector<Point>> runs(1);
-  for (std::size_t i = 0; i < n; ++i) {
+struct PlotPoint {
+  double x, y;
+};
+using PlotRun = std::vector<PlotPoint>;
+
+/// The stretches of a line that have numbers, each point where `place(x, y)` puts it.
+template <class Place>
+std::vector<PlotRun> runs_of(const Line& line, const Place& place) {
+  std::vector<PlotRun> runs(1);
+  for (std::size_t i = 0; i < std::min(line.x.size(), line.y.size()); ++i) {
     if (std::isfinite(line.y[i]) && std::isfinite(line.x[i]))
-      runs.back().push_back({x(line.x[i]), std::clamp(y(line.y[i]), y.to - 2, y.from + 2)});
+      runs.back().push_back(place(line.x[i], line.y[i]));
     else if (!runs.back().empty())
       runs.emplace_back();
   }
-  std::string d;
-  for (const auto& run : runs) {
-    std::vector<Point> shown;
-    if (run.size() < 1500) {
-      shown = run;
-    } else {
-      for (std::size_t i = 0; i < run.size();) {
-        std::size_t end = i, low = i, high = i;
-        while (end < run.size() && std::floor(run[end].x) == std::floor(run[i].x)) {
-          if (run[end].y < run[low].y) low = end;
-          if (run[end].y > run[high].y) high = end;
-          ++end;
-        }
-        shown.push_back(run[std::min(low, high)]);
-        if (low != high) shown.push_back(run[std::max(low, high)]);
-        i = end;
-      }
+  if (runs.back().empty()) runs.pop_back();
+  return runs;
+}
+
+/// The lowest and the highest point of each column of this width stand for it, so that no spike is lost.
+PlotRun thinned(const PlotRun& run, double column) {
+  PlotRun shown;
+  for (std::size_t i = 0; i < run.size();) {
+    std::size_t end = i, low = i, high = i;
+    while (end < run.size() && std::floor(run[end].x / column) == std::floor(run[i].x / column)) {
+      if (run[end].y < run[low].y) low = end;
+      if (run[end].y > run[high].y) high = end;
+      ++end;
     }
+    shown.push_back(run[std::min(low, high)]);
+    if (low != high) shown.push_back(run[std::max(low, high)]);
+    i = end;
+  }
+  return shown;
+}
+
+/// A path through the points, thinned where there are far more of them than pixels.
+std::string path_of(const Line& line, const Scale& x, const Scale& y) {
+  std::string d;
+  for (const PlotRun& run : runs_of(line, [&](double at, double value) {
+         return PlotPoint{x(at), std::clamp(y(value), y.to - 2, y.from + 2)};
+       })) {
+    const PlotRun shown = run.size() < 1500 ? run : thinned(run, 1);
     for (std::size_t i = 0; i < shown.size(); ++i)
       fmt::format_to(std::back_inserter(d), "{}{:.1f} {:.1f}", i == 0 ? 'M' : 'L', shown[i].x, shown[i].y);
     if (shown.size() == 1) d += "h0.1";
   }
   return d;
+}
+
+/// The line for zoom_script.h: "x y x y ...;x y ...", a run after the other. Of each run the first point
+/// counts steps from the axes' lower ends, the others steps from the point before them.
+std::string numbers_of(const Line& line, Scale x, Scale y, std::size_t points) {
+  x.from = y.from = 0;
+  x.to = kStepsOfX;
+  y.to = kStepsOfY;
+  const auto steps = [](double value) {  // An axis may have been told to end far below the data.
+    return std::isfinite(value) ? std::round(std::clamp(value, -1e9, 1e9)) : 0.0;
+  };
+  const std::vector<PlotRun> runs = runs_of(line, [&](double at, double value) {
+    return PlotPoint{steps(x(at)), steps(y(value))};
+  });
+  std::size_t all = 0;
+  for (const PlotRun& run : runs) all += run.size();
+  std::string words;
+  for (const PlotRun& run : runs) {
+    PlotPoint last{0, 0};
+    char before = words.empty() ? '\0' : ';';
+    for (const PlotPoint& p :
+         all > points ? thinned(run, 2 * kStepsOfX / static_cast<double>(points)) : PlotRun(run)) {
+      if (before != '\0') words += before;
+      fmt::format_to(std::back_inserter(words), "{} {}", std::llround(p.x - last.x),
+                     std::llround(p.y - last.y));
+      last = p;
+      before = ' ';
+    }
+  }
+  return words;
 }
 
 }  // namespace
@@ -167,25 +216,36 @@ std::string svg(const LinePlot& plot) {
 
   const Scale x{x_low, x_high, kLeft, kWidth - kRight}, y{y_low, y_high, height - kBottom, kTop};
   std::string out;
-  open_svg(out, height, plot.title);
-  value_axis(out, y_ticks, y, kWidth - kRight, plot.y_label);
+  open_svg(
+      out, height, plot.title,
+      fmt::format(" data-x=\"{} {}\" data-y=\"{} {}\" data-told=\"{:d} {:d}\" data-frame=\"{} {} {} {}\" "
+                  "data-steps=\"{} {}\"",
+                  x_low, x_high, y_low, y_high, plot.y_low.has_value(), plot.y_high.has_value(), x.from, x.to,
+                  y.from, y.to, kStepsOfX, kStepsOfY));
+  value_label(out, y, plot.y_label);
+  text_at(out, 0.5 * (kLeft + kWidth - kRight), height - 6, "middle", plot.x_label, " class=\"along\"");
+  out += "<g class=\"whole\">\n";
+  value_axis(out, y_ticks, y, kWidth - kRight);
   const auto x_ticks = axis_ticks(x_low, x_high, 8);
   for (const double t : x_ticks)
     text_at(out, x(t), height - kBottom + 18, "middle", tick_text(t, step_of(x_ticks)));
-  text_at(out, 0.5 * (kLeft + kWidth - kRight), height - 6, "middle", plot.x_label);
+  const std::size_t points =
+      std::min(kPointsOfLine, kPointsOfPlot / std::max<std::size_t>(1, plot.lines.size()));
   // The first is drawn last: what matters most lies on top.
   for (std::size_t i = plot.lines.size(); i-- > 0;) {
     const Line& line = plot.lines[i];
     fmt::format_to(std::back_inserter(out),
-                   "<path class=\"line\" stroke=\"var(--series-{})\" d=\"{}\"><title>{}</title></path>\n",
-                   colour_of(i), path_of(line, x, y), escaped(line.name));
+                   "<path class=\"line\" stroke=\"var(--series-{})\" d=\"{}\" data-points=\"{:d}\" "
+                   "data-runs=\"{}\"><title>{}</title></path>\n",
+                   colour_of(i), path_of(line, x, y), line.points, numbers_of(line, x, y, points),
+                   escaped(line.name));
     for (std::size_t p = 0; line.points && p < std::min(line.x.size(), line.y.size()); ++p)
       if (std::isfinite(line.x[p]) && std::isfinite(line.y[p]))
         fmt::format_to(std::back_inserter(out),
                        "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" fill=\"var(--series-{})\"/>\n",
                        x(line.x[p]), y(line.y[p]), colour_of(i));
   }
-  return out + "</svg>\n";
+  return out + "</g>\n</svg>\n";
 }
 
 std::string svg(const BarPlot& plot) {
@@ -249,7 +309,8 @@ std::string svg(const BarPlot& plot) {
     return out + "</svg>\n";
   }
   const Scale y{0, high, height - kBottom, kTop};
-  value_axis(out, ticks, y, kWidth - kRight, plot.value_label);
+  value_axis(out, ticks, y, kWidth - kRight);
+  value_label(out, y, plot.value_label);
   const double room = (kWidth - kRight - kLeft) / static_cast<double>(groups);
   const double width = std::min(46.0, 0.74 * room / static_cast<double>(series));
   for (std::size_t g = 0; g < plot.groups.size(); ++g) {

@@ -6,6 +6,7 @@
 
 #include "mien/core/base64.h"
 #include "mien/core/files.h"
+#include "mien/measure/zoom_script.h"
 
 namespace mien::measure {
 namespace {
@@ -27,14 +28,28 @@ h1 { font-size: 30px; line-height: 1.2; margin: 0; letter-spacing: -0.01em; }
 .subtitle { color: var(--soft); margin: 8px 0 0; }
 h2 { font-size: 20px; margin: 44px 0 4px; padding-top: 18px; border-top: 1px solid var(--line); }
 p { margin: 12px 0; max-width: 70ch; }
-figure { margin: 20px 0; padding: 16px 18px 12px; background: var(--card); border: 1px solid var(--line);
-  border-radius: 10px; }
+figure { position: relative; margin: 20px 0; padding: 16px 18px 12px; background: var(--card);
+  border: 1px solid var(--line); border-radius: 10px; }
 figcaption { font-weight: 600; margin-bottom: 6px; }
 figure.picture figcaption { font-weight: 400; color: var(--soft); margin: 8px 0 0; font-size: 14px; }
 figure img, figure video { display: block; width: 100%; height: auto; border-radius: 6px; }
 svg { display: block; width: 100%; height: auto; font-size: 12px; fill: var(--soft); }
 svg .grid { stroke: var(--grid); stroke-width: 1; }
 svg .line { fill: none; stroke-width: 1.8; stroke-linejoin: round; stroke-linecap: round; }
+svg .band { fill: var(--accent); opacity: 0.16; }
+svg .cursor { stroke: var(--soft); stroke-dasharray: 2 3; }
+svg:focus { outline: none; }
+svg:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; border-radius: 4px; }
+.hint { display: flex; justify-content: space-between; align-items: center; min-height: 24px; max-width: none;
+  margin: 6px 0 0; font-size: 12px; color: var(--soft); }
+.hint button { font: inherit; padding: 1px 10px; color: var(--accent); background: none; border: 1px solid var(--line);
+  border-radius: 6px; cursor: pointer; }
+.readout { position: absolute; z-index: 1; pointer-events: none; width: max-content; max-width: 46%; padding: 6px 10px;
+  transform: translateX(14px); font-size: 12px; font-variant-numeric: tabular-nums; white-space: pre-wrap;
+  background: var(--card); border: 1px solid var(--line); border-radius: 6px; }
+.readout.before { transform: translateX(calc(-100% - 14px)); }
+.readout span { display: block; }
+.readout i { display: inline-block; width: 9px; height: 9px; border-radius: 2px; margin-right: 6px; }
 svg .spread { fill: none; stroke: var(--ink); stroke-width: 1.4; stroke-linecap: round; }
 .legend { display: flex; flex-wrap: wrap; gap: 4px 18px; font-size: 13px; color: var(--soft); margin: 0 0 8px; }
 .legend i { display: inline-block; width: 11px; height: 11px; border-radius: 3px; margin-right: 7px; }
@@ -49,7 +64,7 @@ th { color: var(--soft); font-weight: 500; }
 tr:last-child td { border-bottom: 0; }
 .number { text-align: right; }
 tr.strong td { font-weight: 650; }
-@media print { figure, .key { break-inside: avoid; } }
+@media print { figure, .key { break-inside: avoid; } .hint, .readout, svg .cursor { display: none !important; } }
 )";
 
 /// How many characters, not bytes, of UTF-8.
@@ -165,6 +180,7 @@ void Report::plot(const LinePlot& plot) {
   std::vector<std::string> names;
   for (const Line& line : plot.lines) names.push_back(line.name);
   figure(plot.title, names, svg(plot));
+  has_line_plot_ = true;
 }
 
 void Report::bars(const BarPlot& plot) {
@@ -188,7 +204,9 @@ std::string Report::html() const {
   page += escaped(title_) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n<main>\n<h1>" +
           escaped(title_) + "</h1>\n";
   if (!subtitle_.empty()) page += "<p class=\"subtitle\">" + escaped(subtitle_) + "</p>\n";
-  return page + body_ + "</main>\n</body>\n</html>\n";
+  page += body_ + "</main>\n";
+  if (has_line_plot_) page += "<script>" + std::string(kZoomScript) + "</script>\n";
+  return page + "</body>\n</html>\n";
 }
 
 Result<void> Report::write(const std::filesystem::path& path) const {

@@ -31,9 +31,10 @@ struct KeyFigure {
   std::string note;   ///< What it is measured against; may be empty.
 };
 
-/// A report that is one HTML file: styles, drawings, pictures and films are inside, nothing is fetched, no
-/// script runs. Light or dark as the reader's system is. Parts appear in the order in which they are added.
-/// All text is plain UTF-8.
+/// A report that is one HTML file: styles, drawings, pictures and films are inside, nothing is fetched. A
+/// page with line plots has the one script that zooms them (zoom_script.h), without which it is as complete.
+/// Light or dark as the reader's system is. Parts appear in the order in which they are added. All text is
+/// plain UTF-8.
 class Report {
  public:
   explicit Report(std::string title, std::string subtitle = {});
@@ -60,6 +61,7 @@ class Report {
   std::string title_;
   std::string subtitle_;
   std::string body_;
+  bool has_line_plot_ = false;
 };
 
 }  // namespace mien::measure

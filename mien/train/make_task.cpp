@@ -13,6 +13,8 @@
 #include "mien/sensor/rig_part.h"
 #include "mien/study/eyewear/eyewear_dataset.h"
 #include "mien/study/headset/headset_dataset.h"
+#include "mien/study/imu/dataset_file.h"
+#include "mien/study/imu/dataset_part.h"
 #include "mien/study/imu/make_dataset.h"
 #include "mien/study/speech/speech_dataset.h"
 #include "mien/study/takes/training_takes.h"
@@ -63,8 +65,22 @@ Result<ReadTakes> read_takes(std::uint64_t seed, std::size_t window, double shar
   return out;
 }
 
+/// Of performances that were made before, takes among them or not.
+MadeTask make_task_of_file(Recipe recipe, const TaskSource& source) {
+  MIEN_TRY_ASSIGN(study::TrainingData data, study::read_training_data(source.data));
+  const std::vector<std::string> sensors = source.rig.face_sensor_names();
+  if (data.train.sensors != sensors)
+    return fail(ErrorCode::mismatch,
+                fmt::format("the data are of the sensors {}, and the rig has {}",
+                            fmt::join(data.train.sensors, ", "), fmt::join(sensors, ", ")),
+                source.data.string(), "name the rig that the data were made for");
+  return BlendshapeTask::create(std::move(recipe), std::move(data.train), std::move(data.validation),
+                                source.rig_text);
+}
+
 MadeTask make_blendshape_task(Recipe recipe, const TaskSource& source, const Progress& progress) {
   MIEN_TRY_ASSIGN(const study::DataRecipe data_recipe, study::parse_data_recipe(recipe.data, source.where));
+  if (!source.data.empty()) return make_task_of_file(std::move(recipe), source);
   MIEN_TRY_ASSIGN(const double share, takes_share(recipe, !source.takes.empty(), source.where));
   ReadTakes takes;
   study::TrainingData data;
@@ -143,6 +159,16 @@ Result<void> check_takes(const Recipe& recipe, const TaskSource& source, const M
   if (!source.splits.empty() && source.takes.empty())
     return fail(ErrorCode::bad_usage, "splits say who of the takes is trained on, and no takes are given",
                 source.splits.string(), "name their folder with --takes");
+  if (!source.data.empty() && !source.takes.empty())
+    return fail(ErrorCode::bad_usage, "data that were made before hold all that is trained on",
+                source.data.string(), "name either --data or --takes");
+  if (!modality.learns_takes && !source.data.empty())
+    return fail(
+        ErrorCode::bad_usage,
+        fmt::format("only IMUs are trained on data that were made before, and these sensors are of the "
+                    "kind {}",
+                    modality.kind),
+        "rig " + source.rig.name, "leave --data away");
   if (!modality.learns_takes && (!source.takes.empty() || recipe.takes_share))
     return fail(
         ErrorCode::bad_usage,

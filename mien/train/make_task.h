@@ -27,6 +27,9 @@ struct TaskSource {
   /// performers alone.
   std::filesystem::path takes;
   std::filesystem::path splits;  ///< Who of them is trained and who validated on; empty: drawn.
+  /// A file of performances that were made before (study::read_training_data), for IMUs to learn from instead
+  /// of what [data] says; empty: they are made.
+  std::filesystem::path data;
   /// Told of the takes before training begins, a line each: what is left out and why, how much is trained on.
   std::function<void(const std::string& line)> tell = [](const std::string&) {};
 };

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -42,26 +41,6 @@ Result<study::TrainingData> as_takes(study::TrainingData takes, std::size_t wind
                 "record longer ones, or name more people to train on in --splits");
   if (takes.validation.sequences.empty()) takes.validation.sensors = takes.train.sensors;
   return takes;
-}
-
-Result<study::TrainingData> put_together(study::TrainingData performed, study::TrainingData takes) {
-  if (performed.train.sensors != takes.train.sensors || performed.train.sensors != takes.validation.sensors)
-    return fail(ErrorCode::mismatch, "takes and virtual performers have different sensors", "data set");
-  std::uint32_t next = 0;
-  for (const study::Dataset* part : {&performed.train, &performed.validation})
-    for (const study::Sequence& s : part->sequences) next = std::max(next, s.performer + 1);
-  std::map<std::uint32_t, std::uint32_t> numbers;  // Whoever were in both parts would be so with one number.
-  const auto add = [&](study::Dataset& from, study::Dataset& to) {
-    for (study::Sequence& s : from.sequences) {
-      const auto [number, fresh] = numbers.try_emplace(s.performer, next);
-      if (fresh) ++next;
-      s.performer = number->second;
-      to.sequences.push_back(std::move(s));
-    }
-  };
-  add(takes.train, performed.train);
-  add(takes.validation, performed.validation);
-  return performed;
 }
 
 double minutes_of(const study::Dataset& dataset) {

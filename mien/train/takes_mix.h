@@ -18,11 +18,6 @@ namespace mien::train {
 /// bad_usage (nothing is left to train on).
 [[nodiscard]] Result<study::TrainingData> as_takes(study::TrainingData takes, std::size_t window);
 
-/// What virtual performers gave and what takes gave, in one. People get numbers that no performer has; the
-/// standard skin is the performers'. Errors: mismatch (other sensors).
-[[nodiscard]] Result<study::TrainingData> put_together(study::TrainingData performed,
-                                                       study::TrainingData takes);
-
 /// Length of all its sequences.
 [[nodiscard]] double minutes_of(const study::Dataset& dataset);
 

@@ -186,5 +186,51 @@ TEST(Killed, ATrainingGoesOnFromItsLastCheckpoint) {
   std::printf("%d kills of a training\n", killed);
 }
 
+TEST(Killed, AnAblationGoesOnToTheSameFigures) {
+  if (!std::filesystem::exists(std::filesystem::path(test::program_path()).parent_path() / "mien-train"))
+    GTEST_SKIP() << "no mien-train is built beside mien";
+  const Folder folder;
+  write(folder / "rig.toml", virt::test::kRig);
+  const auto arguments = [&](const std::string& name) {
+    return std::vector<std::string>{"study",        "ablation",
+                                    "--rig",        folder / "rig.toml",
+                                    "--rows",       "third_of_people",
+                                    "--seeds",      "1",
+                                    "--steps",      "60",
+                                    "--performers", "10",
+                                    "--people",     "1",
+                                    "--no-shipped", "--out",
+                                    folder / name};
+  };
+  const Outcome whole = run(arguments("whole"));
+  ASSERT_EQ(whole.status, 0) << whole.err;
+
+  // Once in the middle of its first trainings, and once later.
+  const auto has = [&](const char* ending) {
+    std::error_code code;
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "cut/trainings", code))
+      if (entry.path().string().ends_with(ending)) return true;
+    return false;
+  };
+  for (const char* sign : {".checkpoint", ".safetensors"}) {
+    const pid_t process = start(arguments("cut"), folder / "out", folder / "err");
+    ASSERT_GT(process, 0);
+    int status = 0;
+    pid_t gone = 0;
+    while (gone == 0 && !has(sign)) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      gone = ::waitpid(process, &status, WNOHANG);
+    }
+    ASSERT_EQ(gone, 0) << "it ended before it could be killed: " << content(folder / "err");
+    ::kill(process, SIGKILL);
+    ::waitpid(process, &status, 0);
+  }
+  const Outcome last = run(arguments("cut"));
+  ASSERT_EQ(last.status, 0) << last.err;
+  const std::string figures = content(folder / "whole/ablation.json");
+  EXPECT_NE(figures.find("pve_mm_by_seed_and_person"), std::string::npos);
+  EXPECT_EQ(content(folder / "cut/ablation.json"), figures);
+}
+
 }  // namespace
 }  // namespace mien::app::test::kill_test

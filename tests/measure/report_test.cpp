@@ -2,11 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <regex>
+#include <sstream>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "mien/measure/zoom_script.h"
 
 namespace mien::measure::report_test {
 namespace {
@@ -15,6 +22,39 @@ int count(const std::string& text, const std::string& part) {
   int n = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
   return n;
+}
+
+/// The drawing's first attribute of that name.
+std::string attribute(const std::string& drawing, const std::string& name) {
+  const std::size_t from = drawing.find(" " + name + "=\"");
+  if (from == std::string::npos) return "(none)";
+  const std::size_t begin = from + name.size() + 3;
+  return drawing.substr(begin, drawing.find('"', begin) - begin);
+}
+
+/// What zoom_script.h makes of the first line's numbers.
+std::vector<std::vector<std::pair<double, double>>> carried(const std::string& drawing) {
+  const auto two = [&](const char* name) {
+    std::istringstream in(attribute(drawing, name));
+    std::pair<double, double> out;
+    in >> out.first >> out.second;
+    return out;
+  };
+  const auto x = two("data-x"), y = two("data-y"), steps = two("data-steps");
+  std::vector<std::vector<std::pair<double, double>>> runs;
+  std::istringstream in(attribute(drawing, "data-runs"));
+  for (std::string run; std::getline(in, run, ';');) {
+    std::istringstream deltas(run);
+    double at = 0, value = 0;
+    runs.emplace_back();
+    for (double dx = 0, dy = 0; deltas >> dx >> dy;) {
+      at += dx;
+      value += dy;
+      runs.back().emplace_back(x.first + at / steps.first * (x.second - x.first),
+                               y.first + value / steps.second * (y.second - y.first));
+    }
+  }
+  return runs;
 }
 
 Report whole() {
@@ -47,14 +87,40 @@ TEST(Report, IsWellFormed) {
   EXPECT_TRUE(open.empty());
 }
 
-TEST(Report, NeedsNothingFromOutsideAndRunsNoScript) {
+TEST(Report, NeedsNothingFromOutside) {
   const std::string html = whole().html();
-  EXPECT_EQ(count(html, "<script"), 0);
   EXPECT_EQ(count(html, "src=\""), count(html, "src=\"data:"));
   EXPECT_EQ(count(html, "href="), 0);
   EXPECT_EQ(count(html, "url("), 0);
   EXPECT_NE(html.find("prefers-color-scheme: dark"), std::string::npos);
   EXPECT_NE(html.find("data:image/png;base64,AQID"), std::string::npos);
+}
+
+TEST(Report, RunsTheOneScriptThatZoomsItsLinePlots) {
+  const std::string html = whole().html();
+  EXPECT_EQ(count(html, "<script"), 1);
+  EXPECT_NE(html.find("<script>" + std::string(kZoomScript) + "</script>\n</body>"), std::string::npos);
+  // Nothing ends it early, fetches, stores or makes markup of text.
+  for (const char* word : {"</", "<!--", "://", "import", "fetch", "XMLHttp", "innerHTML", "insertAdjacent",
+                           "eval(", "Function(", "localStorage", "document.write"})
+    EXPECT_EQ(kZoomScript.find(word), std::string_view::npos) << word;
+  EXPECT_EQ(html, whole().html()) << "the same page twice";
+
+  Report still("no line plot");
+  still.bars({"Bars", "mm", {"a"}, {{"g", {1.0}, {}}}});
+  EXPECT_EQ(count(still.html(), "<script"), 0);
+}
+
+TEST(Report, NoNameEndsADrawingOrTheScript) {
+  const std::string name = "\"'></title></svg><script>alert(1)</script><!-- &lt;";
+  Report report(name, name);
+  report.plot({name, name, name, {{name, {0, 1}, {0, 1}}, {name, {0, 1}, {1, 0}}}, {}, {}});
+  const std::string html = report.html();
+  EXPECT_EQ(count(html, "<script"), 1);
+  EXPECT_EQ(count(html, "</script"), 1);
+  EXPECT_EQ(count(html, "<!--"), 0);
+  EXPECT_EQ(count(html, "</svg>"), 1);
+  EXPECT_NE(html.find("aria-label=\"&quot;'&gt;&lt;/title&gt;"), std::string::npos);
 }
 
 TEST(Report, EscapesWhatPeopleWrite) {
@@ -92,6 +158,64 @@ TEST(LinePlot, BreaksWhereThereIsNoNumber) {
   EXPECT_EQ(count(d, "M"), 2);
   EXPECT_EQ(count(d, "L"), 2);
   EXPECT_EQ(count(drawing, "nan"), 0);
+  const auto runs = carried(drawing);
+  ASSERT_EQ(runs.size(), 2U);
+  EXPECT_EQ(runs[0].size(), 2U);
+  EXPECT_NEAR(runs[1][0].first, 3, 1e-5);
+  EXPECT_NEAR(runs[1][0].second, 2, 1e-4);
+}
+
+TEST(LinePlot, CarriesItsNumbersFinerThanItDrawsThem) {
+  LinePlot plot{"p", "x", "y", {{"a", {}, {}}}, {}, {}};
+  for (int i = 0; i < 5'000; ++i) {
+    plot.lines[0].x.push_back(-3 + i / 60.0);
+    plot.lines[0].y.push_back(std::sin(0.01 * i) - 0.2);
+  }
+  const std::string drawing = svg(plot);
+  EXPECT_EQ(drawing, svg(plot));
+  EXPECT_EQ(attribute(drawing, "data-frame"), "66 746 218 10");
+  EXPECT_EQ(attribute(drawing, "data-told"), "0 0");
+  const auto runs = carried(drawing);
+  ASSERT_EQ(runs.size(), 1U);
+  ASSERT_EQ(runs[0].size(), 5'000U) << "each point, where the path has some two a pixel";
+  EXPECT_LT(count(attribute(drawing, "d"), "L"), 1'500);
+  for (std::size_t i = 0; i < runs[0].size(); ++i) {
+    ASSERT_NEAR(runs[0][i].first, plot.lines[0].x[i], 1e-4) << i;
+    ASSERT_NEAR(runs[0][i].second, plot.lines[0].y[i], 1e-4) << i;
+  }
+  plot.y_low = -2;
+  plot.y_high = 2;
+  EXPECT_EQ(attribute(svg(plot), "data-told"), "1 1");
+  EXPECT_EQ(attribute(svg(plot), "data-y"), "-2 2");
+}
+
+TEST(LinePlot, StaysLightHoweverMuchItIsGiven) {
+  LinePlot plot{"p", "x", "y", {}, 0.0, 1.0};
+  for (int l = 0; l < 12; ++l) {
+    plot.lines.push_back({"a", {}, {}});
+    for (int i = 0; i < 20'000; ++i) {
+      plot.lines[l].x.push_back(i);
+      plot.lines[l].y.push_back(i == 12'345 ? 0.9 : 0.25 + 0.2 * ((i * 7919) % 101) / 101.0);
+    }
+  }
+  const std::string drawing = svg(plot);
+  EXPECT_LT(drawing.size(), 600'000U);
+  // As many a line as there is room for, and no spike lost.
+  const auto runs = carried(drawing);
+  ASSERT_EQ(runs.size(), 1U);
+  EXPECT_LE(runs[0].size(), 2'002U);
+  EXPECT_GT(runs[0].size(), 1'900U);
+  double highest = 0;
+  for (const auto& [x, y] : runs[0]) highest = std::max(highest, y);
+  EXPECT_NEAR(highest, 0.9, 1e-4);
+}
+
+TEST(LinePlot, CarriesNumbersFarOutsideTheAxisThatItWasTold) {
+  const LinePlot plot{"p", "x", "y", {{"a", {0, 1, 2}, {0.5, 1e300, -1e300}}}, 0.0, 1.0};
+  const auto runs = carried(svg(plot));
+  ASSERT_EQ(runs.size(), 1U);
+  EXPECT_GT(runs[0][1].second, 1e4);
+  EXPECT_LT(runs[0][2].second, -1e4);
 }
 
 TEST(LinePlot, MarksThePointsOfALineThatAsksForIt) {
@@ -117,6 +241,7 @@ TEST(LinePlot, SurvivesHavingNothingToShow) {
   for (const LinePlot& plot : {LinePlot{}, LinePlot{"p", "x", "y", {{"a", {}, {}}}, {}, {}},
                                LinePlot{"p", "x", "y", {{"a", {1}, {1}}}, {}, {}}})
     EXPECT_EQ(count(svg(plot), "nan") + count(svg(plot), "inf"), 0);
+  EXPECT_EQ(attribute(svg(LinePlot{"p", "x", "y", {{"a", {}, {}}}, {}, {}}), "data-runs"), "");
 }
 
 TEST(BarPlot, LiesDownWhenNamesAreMany) {

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "mien/model/schedule.h"
+#include "mien/study/imu/dataset_part.h"
 #include "mien/train/assess.h"
 #include "mien/train/batches.h"
 #include "tests/train/toy_takes.h"

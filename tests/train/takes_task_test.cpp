@@ -7,6 +7,7 @@
 
 #include "mien/core/files.h"
 #include "mien/model/model_file.h"
+#include "mien/study/imu/dataset_part.h"
 #include "mien/train/blendshape_task.h"
 #include "mien/train/takes_mix.h"
 #include "mien/train/trainer.h"

@@ -1,41 +1,24 @@
 #include "mien/study/eyewear/error_picture.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/core/units.h"
 #include "mien/render/camera.h"
 #include "mien/render/error_colours.h"
 #include "mien/render/lettering.h"
 #include "mien/render/renderer.h"
+#include "mien/study/spread_on_skin.h"
 
 namespace mien::study {
 namespace {
 
-constexpr double kReachM = 0.03;   // Skin farther than this from every marker keeps pale ...
-constexpr double kFadeM = 0.015;   // ... and this far before it begins to.
-constexpr double kSharpM = 0.004;  // Nearer than this a marker is all that counts.
 constexpr render::Rgb kInk = {40, 42, 48};
 
-/// Error of each vertex, metres: the markers' by the fourth power of how near they are.
-std::vector<float> spread(const face::Face& face, const std::vector<Vec3>& markers_m,
-                          const std::vector<MarkerError>& errors) {
-  std::vector<float> error_m;
-  error_m.reserve(face.neutral_m.size());
-  for (const Vec3f& vertex : face.neutral_m) {
-    double sum = 0, weights = 0, nearest_m = kReachM;
-    for (std::size_t m = 0; m < markers_m.size(); ++m) {
-      const double square = (vertex.cast<double>() - markers_m[m]).squaredNorm();
-      const double weight = 1 / std::pow(square + kSharpM * kSharpM, 2);
-      sum += weight * errors[m].mean_mm / kMmPerM;
-      weights += weight;
-      nearest_m = std::min(nearest_m, std::sqrt(square));
-    }
-    const double fade = std::clamp((kReachM - nearest_m) / kFadeM, 0.0, 1.0);
-    error_m.push_back(static_cast<float>(fade * sum / weights));
-  }
-  return error_m;
+/// Error of each vertex, metres.
+std::vector<float> vertex_errors_m(const face::Face& face, const std::vector<Vec3>& markers_m,
+                                   const std::vector<MarkerError>& errors) {
+  std::vector<double> error_m;
+  for (const MarkerError& error : errors) error_m.push_back(error.mean_mm / kMmPerM);
+  return spread_on_skin(face, markers_m, error_m);
 }
 
 }  // namespace
@@ -56,7 +39,7 @@ Result<render::Image> error_picture(const builtin_face::MarkerSet& markers,
   for (std::size_t i = 0; i < methods.size(); ++i) {
     if (methods[i]->markers.size() != placed.count())
       return fail(ErrorCode::mismatch, "a method has errors of other markers", methods[i]->name);
-    const std::vector<float> error_m = spread(face, placed.neutral_m(), methods[i]->markers);
+    const std::vector<float> error_m = vertex_errors_m(face, placed.neutral_m(), methods[i]->markers);
     const render::ErrorColours colours{error_m, static_cast<float>(full_scale_mm / kMmPerM)};
     render::Image one = renderer.still(face.neutral_m, camera, look, &colours);
     render::draw_error_legend(one, lettering, colours.full_scale_m, kInk);

@@ -8,7 +8,7 @@
 namespace mien::study {
 namespace {
 
-constexpr std::size_t kCurvePoints = 900;  // More than a page has pixels for.
+constexpr std::size_t kCurvePoints = 6000;  // Enough to zoom into.
 
 std::string mm(double value) {
   return fmt::format("{:.2f}", value);

@@ -10,63 +10,23 @@
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/time.h"
 #include "mien/measure/evaluation.h"
-#include "mien/study/imu/trace_features.h"
+#include "mien/study/imu/filmed_wearer.h"
 #include "mien/study/performance.h"
 #include "mien/study/phone_truth.h"
 #include "mien/study/shifted_person.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/learn_correction.h"
-#include "mien/virtual/phone/worn_phone.h"
-#include "mien/virtual/reception.h"
-#include "mien/virtual/stage.h"
 
 namespace mien::study {
 namespace {
 
 using Answers = std::vector<face::BlendshapeWeights>;
 
-/// A performance with a phone beside it, as a session received it.
-struct Filmed {
-  sensor::Rig rig;
-  virt::VirtualSession session;
-  std::vector<model::FeatureFrame> features;
-  virt::VirtualClock reference, phone;
-  double phone_lag_s = 0;
-};
-
-Result<Filmed> film(const PhoneStudyRequest& request, const face::Motion& motion, const std::string& face,
-                    const std::string& devices, std::uint64_t seed,
-                    const std::optional<virt::PhoneFaults>& phone) {
-  virt::StageRequest asked;
-  asked.motion = motion;
-  asked.script_name = motion.name;
-  asked.face = face;
-  asked.rig = request.rig;
-  asked.devices = devices;
-  asked.seed = seed;
-  asked.phone = phone.has_value();
-  asked.phone_faults = phone;
-  MIEN_TRY_ASSIGN(virt::Stage stage, virt::set_stage(asked));
-  Filmed filmed;
-  MIEN_TRY_ASSIGN(virt::Sent sent, stage.worn->send(stage, no_progress));
-  filmed.reference = sent.reference;
-  if (phone) {
-    const virt::PhoneSimulator shown = virt::phone_before(stage, *phone);
-    filmed.phone = shown.clock();
-    filmed.phone_lag_s = shown.lag_s();
-  }
-  MIEN_TRY_ASSIGN(filmed.session, virt::receive_all(std::move(sent), stage.motion, stage.rig));
-  filmed.rig = std::move(stage.rig);
-  const virt::VirtualSession& session = filmed.session;
-  MIEN_TRY_ASSIGN(filmed.features,
-                  trace_features(filmed.rig, session.events, session.entries, session.ticks));
-  return filmed;
-}
-
-Result<PhoneTruth> truth_of(const Filmed& filmed) {
-  MIEN_TRY_ASSIGN(const PhoneTrack track,
-                  phone_track(filmed.rig, filmed.session.samples, filmed.features.front().time));
-  return phone_truth(filmed.session.events, filmed.features, track);
+Result<FilmedWearer> film(const PhoneStudyRequest& request, const face::Motion& motion,
+                          const std::string& face, const std::string& devices, std::uint64_t seed,
+                          const std::optional<virt::PhoneFaults>& phone) {
+  return film_wearer(
+      {.motion = motion, .face = face, .rig = request.rig, .devices = devices, .seed = seed, .phone = phone});
 }
 
 face::Motion part_of(const face::Motion& motion, double from_s, double to_s) {
@@ -84,7 +44,7 @@ face::Motion part_of(const face::Motion& motion, double from_s, double to_s) {
   return part;
 }
 
-Result<PhoneSyncRow> sync_row(std::uint64_t seed, const Filmed& filmed) {
+Result<PhoneSyncRow> sync_row(std::uint64_t seed, const FilmedWearer& filmed) {
   PhoneSyncRow row;
   row.seed = seed;
   const DeviceTime begin = filmed.features.front().time;
@@ -169,8 +129,8 @@ class Trial {
  private:
   Result<model::ModelFile> learnt_from(double seconds, const virt::PhoneFaults& phone, bool& taken) {
     model::ModelFile file = request_.model;
-    MIEN_TRY_ASSIGN(const Filmed filmed, film(request_, part_of(wearer_.motion, 0, seconds), wearer_.face,
-                                              devices_, request_.seed, phone));
+    MIEN_TRY_ASSIGN(const FilmedWearer filmed, film(request_, part_of(wearer_.motion, 0, seconds),
+                                                    wearer_.face, devices_, request_.seed, phone));
     MIEN_TRY_ASSIGN(const PhoneTruth truth, truth_of(filmed));
     MIEN_TRY_ASSIGN(const tracker::LearntCorrection learnt,
                     tracker::learn_correction(filmed.features, taught_by(truth),
@@ -212,7 +172,7 @@ class Trial {
   const Wearer& wearer_;
   std::string devices_;
   face::Face face_;
-  Filmed tried_;
+  FilmedWearer tried_;
   Answers before_;
 };
 
@@ -256,7 +216,7 @@ Result<PhoneStudy> study_phone(const PhoneStudyRequest& request, const Progress&
     const face::Motion motion = draw_motion(request.sync_s, draw_person(root).style, root);
     const std::uint64_t seed = request.seed * 100 + i;
     const std::string face = fmt::format("builtin:{}", seed);
-    MIEN_TRY_ASSIGN(const Filmed filmed, film(request, motion, face, "device", seed, hard_phone()));
+    MIEN_TRY_ASSIGN(const FilmedWearer filmed, film(request, motion, face, "device", seed, hard_phone()));
     MIEN_TRY_ASSIGN(out.sync.emplace_back(), sync_row(seed, filmed));
   }
   for (const Wearer& wearer : wearers)

@@ -7,15 +7,16 @@
 
 namespace mien::study {
 
-SensorBound sensor_bound(const measure::Meter& meter, const std::vector<virt::SkinSite>& sites, double prior,
-                         double noise_rad, Random random) {
-  constexpr auto kShapes = static_cast<Eigen::Index>(face::kShapeCount);
-  constexpr float kStep = 0.05F;  // Small enough to be the slope at neutral, large enough for float meshes.
-  const Eigen::MatrixXd sensitivity = virt::rotation_slopes(sites, kStep);
-  const Eigen::MatrixXd information = sensitivity.transpose() * sensitivity / (noise_rad * noise_rad) +
-                                      Eigen::MatrixXd::Identity(kShapes, kShapes) / (prior * prior);
-  const Eigen::MatrixXd covariance = information.inverse();
+Eigen::MatrixXd posterior_covariance(const Eigen::MatrixXd& slopes, double prior, double noise_rad) {
+  const Eigen::MatrixXd information =
+      slopes.transpose() * slopes / (noise_rad * noise_rad) +
+      Eigen::MatrixXd::Identity(slopes.cols(), slopes.cols()) / (prior * prior);
+  return information.inverse();
+}
 
+SensorBound bound_of(const measure::Meter& meter, const Eigen::MatrixXd& covariance, double prior,
+                     Random random) {
+  constexpr auto kShapes = static_cast<Eigen::Index>(face::kShapeCount);
   SensorBound bound;
   bound.mse = covariance.trace() / static_cast<double>(kShapes);
   for (Eigen::Index k = 0; k < kShapes; ++k)
@@ -47,6 +48,12 @@ SensorBound sensor_bound(const measure::Meter& meter, const std::vector<virt::Sk
   if (metrics.pve_face_mm) bound.pve_face_mm = grown(*metrics.pve_face_mm);
   if (metrics.lmk_mm) bound.lmk_mm = grown(*metrics.lmk_mm);
   return bound;
+}
+
+SensorBound sensor_bound(const measure::Meter& meter, const std::vector<virt::SkinSite>& sites, double prior,
+                         double noise_rad, Random random) {
+  return bound_of(meter, posterior_covariance(virt::rotation_slopes(sites, kBoundStep), prior, noise_rad),
+                  prior, random);
 }
 
 }  // namespace mien::study

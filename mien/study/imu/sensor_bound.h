@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "mien/face/face.h"
@@ -19,6 +20,19 @@ struct SensorBound {
   /// Posterior over prior standard deviation, a shape: 1 is unseen, 0 is seen exactly.
   std::array<double, face::kShapeCount> left{};
 };
+
+/// The weight at which virt::rotation_slopes() takes the bound's slopes: small enough to be the slope at
+/// neutral, large enough for float meshes.
+inline constexpr float kBoundStep = 0.05F;
+
+/// C of SensorBound. `slopes`: 3 rows a sensor (rad per unit weight), a column a shape. `prior` and
+/// `noise_rad` (per axis) positive.
+[[nodiscard]] Eigen::MatrixXd posterior_covariance(const Eigen::MatrixXd& slopes, double prior,
+                                                   double noise_rad);
+
+/// The bound of a posterior covariance. 2,000 draws from `random`.
+[[nodiscard]] SensorBound bound_of(const measure::Meter& meter, const Eigen::MatrixXd& covariance,
+                                   double prior, Random random);
 
 /// `prior` and `noise_rad` (per axis) positive; `sites` those of the face's own sensors. 2,000 draws from
 /// `random`.

@@ -39,20 +39,6 @@ ImuPerson watched(const Sequence& sequence, std::size_t sensors) {
   return out;
 }
 
-/// The model's answer, from its first frame on.
-Result<std::vector<face::OutputFrame>> answer(const model::ModelFile& model,
-                                              const std::vector<std::string>& sensors,
-                                              std::span<const model::FeatureFrame> features) {
-  if (model.architecture.kind == model::NetworkKind::window) {
-    MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, tracker::WindowSolver::create(model));
-    return solver.solve(features, sensors, model.sampler, no_progress);
-  }
-  MIEN_TRY_ASSIGN(tracker::CausalTracker tracker, tracker::CausalTracker::create(model, sensors));
-  std::vector<face::OutputFrame> out(features.size());
-  for (std::size_t f = 0; f < features.size(); ++f) tracker.step(features[f], out[f]);
-  return out;
-}
-
 /// Coverage of each shape, frame by frame.
 std::vector<tracker::Coverage> coverage(const model::ModelFile& model,
                                         const std::vector<std::string>& sensors,
@@ -77,10 +63,8 @@ class WatchedByModel final : public WatchedPerson {
   [[nodiscard]] std::size_t sensor_count() const override { return sensors_.size(); }
   [[nodiscard]] Result<Watched> watch(std::size_t lost, const Random& random) const override {
     const std::vector<model::FeatureFrame> features = without_sensors(person_.features, lost, random);
-    MIEN_TRY_ASSIGN(const std::vector<face::OutputFrame> frames, answer(*model_, sensors_, features));
-    Watched out{{}, coverage(*model_, sensors_, features), person_.truth};
-    for (const face::OutputFrame& frame : frames) out.answer.push_back(frame.weights);
-    return out;
+    MIEN_TRY_ASSIGN(std::vector<face::BlendshapeWeights> answer, answers_of(*model_, sensors_, features));
+    return Watched{std::move(answer), coverage(*model_, sensors_, features), person_.truth};
   }
 
  private:
@@ -90,6 +74,27 @@ class WatchedByModel final : public WatchedPerson {
 };
 
 }  // namespace
+
+Result<std::vector<face::BlendshapeWeights>> answers_of(const model::ModelFile& model,
+                                                        const std::vector<std::string>& sensors,
+                                                        std::span<const model::FeatureFrame> features) {
+  std::vector<face::BlendshapeWeights> out;
+  out.reserve(features.size());
+  if (model.architecture.kind == model::NetworkKind::window) {
+    MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, tracker::WindowSolver::create(model));
+    MIEN_TRY_ASSIGN(const std::vector<face::OutputFrame> frames,
+                    solver.solve(features, sensors, model.sampler, no_progress));
+    for (const face::OutputFrame& frame : frames) out.push_back(frame.weights);
+    return out;
+  }
+  MIEN_TRY_ASSIGN(tracker::CausalTracker tracker, tracker::CausalTracker::create(model, sensors));
+  face::OutputFrame frame;
+  for (const model::FeatureFrame& one : features) {
+    tracker.step(one, frame);
+    out.push_back(frame.weights);
+  }
+  return out;
+}
 
 std::vector<ImuPerson> watched(const Dataset& data) {
   const bool device = std::ranges::any_of(data.sequences, [](const Sequence& s) { return !s.lab; });

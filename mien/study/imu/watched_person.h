@@ -27,6 +27,12 @@ struct ImuPerson {
   std::vector<face::BlendshapeWeights> truth;
 };
 
+/// The model's answer to these frames, from the first on, by whichever network it has. `sensors`: names of
+/// the features' entries. Errors: the tracker's.
+[[nodiscard]] Result<std::vector<face::BlendshapeWeights>> answers_of(
+    const model::ModelFile& model, const std::vector<std::string>& sensors,
+    std::span<const model::FeatureFrame> features);
+
 /// People of a data set, one a sequence; those of the lab profile are left out where there are others.
 [[nodiscard]] std::vector<ImuPerson> watched(const Dataset& data);
 

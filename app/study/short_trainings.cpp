@@ -1,0 +1,191 @@
+#include "app/study/short_trainings.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "app/private_folder.h"
+#include "app/study/trainer_helper.h"
+#include "mien/core/files.h"
+#include "mien/core/sha256.h"
+#include "mien/study/imu/dataset_file.h"
+
+namespace mien::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// How often the helpers are looked at.
+constexpr std::chrono::milliseconds kLook(200);
+/// So long one may take to write its checkpoint when it is asked to stop.
+constexpr std::chrono::seconds kPatience(60);
+
+std::string key_of(std::string_view text) {
+  Sha256 hash;
+  hash.add(std::as_bytes(std::span(text)));
+  return hash.hex().substr(0, 12);
+}
+
+/// One training, and its files.
+struct Row {
+  const study::ShortTraining* training;
+  fs::path model, recipe, rig, data;
+};
+
+Row row_of(const study::ShortTraining& training, const fs::path& folder) {
+  const std::string key =
+      key_of(fmt::format("{}\n\n{}\n\n{}", training.recipe, training.rig, training.data_key));
+  const fs::path stem = folder / fmt::format("{}-{}", training.name, key);
+  const auto with = [&](const char* ending) { return fs::path(stem.string() + ending); };
+  return {.training = &training,
+          .model = with(".safetensors"),
+          .recipe = with(".toml"),
+          .rig = with(".rig.toml"),
+          .data = folder / fmt::format("data-{}.safetensors", key_of(training.data_key))};
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code code;
+  return fs::exists(path, code);
+}
+
+void remove_quietly(const fs::path& path) {
+  std::error_code code;
+  fs::remove(path, code);
+}
+
+/// What is left of a folder's trainings, worked off side by side.
+class ShortTrainings {
+ public:
+  ShortTrainings(std::vector<Row> rows, const Progress& progress) : progress_(progress), all_(rows.size()) {
+    for (Row& row : rows) {
+      if (is_there(row.model)) continue;
+      ++wanted_[row.data];
+      waiting_.push_back(std::move(row));
+    }
+    std::ranges::reverse(waiting_);  // Taken from the back.
+  }
+
+  Result<void> run() {
+    const std::size_t workers = std::max(1U, std::thread::hardware_concurrency());
+    while (!waiting_.empty() || !running_.empty()) {
+      while (running_.size() < workers && !waiting_.empty()) {
+        MIEN_TRY(start_next());
+      }
+      std::this_thread::sleep_for(kLook);
+      MIEN_TRY(collect());
+      if (!progress_(share(), status())) return stop();
+    }
+    return {};
+  }
+
+ private:
+  struct Running {
+    Row row;
+    Child child;
+  };
+
+  Result<void> start_next() {
+    Row row = std::move(waiting_.back());
+    waiting_.pop_back();
+    if (!is_there(row.data)) {
+      MIEN_TRY_ASSIGN(
+          const study::TrainingData data, row.training->data([&](double part, std::string_view what) {
+            return progress_(share(),
+                             fmt::format("data of {}: {:.0f} %, {}", row.training->name, 100 * part, what));
+          }));
+      MIEN_TRY(study::write_training_data(row.data, data));
+    }
+    MIEN_TRY(write_file(row.recipe, row.training->recipe));
+    MIEN_TRY(write_file(row.rig, row.training->rig));
+    MIEN_TRY_ASSIGN(Child child,
+                    start_trainer({"train", row.recipe.string(), "--out", row.model.string(), "--rig",
+                                   row.rig.string(), "--data", row.data.string(), "--threads", "1",
+                                   "--resume", "--parent", std::to_string(::getpid())}));
+    running_.push_back({std::move(row), std::move(child)});
+    return {};
+  }
+
+  Result<void> collect() {
+    for (std::size_t i = 0; i < running_.size();) {
+      if (!running_[i].child.has_ended()) {
+        ++i;
+        continue;
+      }
+      Running ended = std::move(running_[i]);
+      // Child cannot be assigned: the others move into a new list.
+      std::vector<Running> others;
+      for (std::size_t j = 0; j < running_.size(); ++j)
+        if (j != i) others.push_back(std::move(running_[j]));
+      running_.swap(others);
+      MIEN_TRY_ASSIGN(const ChildOutput said, ended.child.wait());
+      if (!said.succeeded()) return complain(ended.row, said);
+      if (--wanted_[ended.row.data] == 0) remove_quietly(ended.row.data);
+    }
+    return {};
+  }
+
+  /// The helper's last line is its error; those before it are progress.
+  static Result<void> complain(const Row& row, const ChildOutput& said) {
+    std::string line = said.complaints;
+    while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.pop_back();
+    line = line.substr(line.find_last_of("\n\r") + 1);
+    return fail(ErrorCode::io, line.empty() ? "the trainer stopped without a word" : line, row.training->name,
+                "run the study again: it goes on where it was");
+  }
+
+  Result<void> stop() {
+    for (Running& one : running_) MIEN_TRY(one.child.stop(kPatience));
+    return fail(
+        ErrorCode::cancelled,
+        fmt::format("stopped after {} of {} trainings", all_ - waiting_.size() - running_.size(), all_), "",
+        "run the study again: it goes on where it was");
+  }
+
+  [[nodiscard]] double share() const {
+    return all_ == 0
+               ? 1
+               : static_cast<double>(all_ - waiting_.size() - running_.size()) / static_cast<double>(all_);
+  }
+  [[nodiscard]] std::string status() const {
+    std::string names;
+    for (const Running& one : running_) names += (names.empty() ? "" : ", ") + one.row.training->name;
+    return fmt::format("training {} of {}: {}", all_ - waiting_.size(), all_, names);
+  }
+
+  const Progress& progress_;
+  std::size_t all_;
+  std::vector<Row> waiting_;
+  std::vector<Running> running_;
+  std::map<fs::path, std::size_t> wanted_;  ///< Of each file of data, who still learns from it.
+};
+
+}  // namespace
+
+study::TrainShort train_by_helper(fs::path folder) {
+  return [folder = std::move(folder)](std::span<const study::ShortTraining> trainings,
+                                      const Progress& progress) -> Result<std::vector<study::ShortTrained>> {
+    MIEN_TRY(make_private_folders(folder));
+    std::vector<Row> rows;
+    for (const study::ShortTraining& training : trainings) rows.push_back(row_of(training, folder));
+    MIEN_TRY(ShortTrainings(rows, progress).run());
+    std::vector<study::ShortTrained> trained;
+    for (const Row& row : rows) {
+      study::ShortTrained& one = trained.emplace_back();
+      MIEN_TRY_ASSIGN(one.model, model::read_model(row.model));
+      MIEN_TRY_ASSIGN(one.curve, read_text(fs::path(row.model).replace_extension("csv")));
+    }
+    return trained;
+  };
+}
+
+}  // namespace mien::app

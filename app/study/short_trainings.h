@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+
+#include "mien/study/imu/short_training.h"
+
+namespace mien::app {
+
+/// Trains by the helper mien-train, as many at once as there are cores, each with one thread. In `folder`,
+/// which is made where it is not, models stand under the training's name and a key of all that it depends on:
+/// one that stands there is not trained again, one that was stopped goes on from its checkpoint. Files of
+/// data lie there while somebody learns from them. Only one study at a time may use a folder. Errors of what
+/// it returns: not_found (no helper), io (the folder, a full disk; what the trainer says), cancelled.
+[[nodiscard]] study::TrainShort train_by_helper(std::filesystem::path folder);
+
+}  // namespace mien::app

@@ -1,0 +1,214 @@
+#include "app/study/study_ablation.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "app/chosen_face.h"
+#include "app/json_output.h"
+#include "app/performance.h"
+#include "app/private_folder.h"
+#include "app/seed_option.h"
+#include "app/study/short_trainings.h"
+#include "mien/core/files.h"
+#include "mien/study/imu/ablation/ablation_report.h"
+
+namespace mien::app {
+namespace {
+
+struct StudyAblationOptions {
+  study::AblationRequest request;
+  std::string rig, takes, splits;
+  std::vector<std::string> motions;
+  std::string face = "builtin";
+  std::string out;
+  bool no_shipped = false;
+  bool quick = false;
+  bool json = false;
+};
+
+/// Less of everything, in two minutes: enough to see that it works, too little to compare anything.
+void make_quick(study::AblationRequest& request) {
+  request.seeds = 2;
+  request.steps = 12;
+  request.data.performers = 20;
+  request.data.validation_performers = 2;
+  request.data.seconds = request.data.device_seconds = 6;
+  request.test_people = 2;
+  request.test_seconds = 6;
+  request.stand_ins = 5;
+  request.stand_in_seconds = 30;
+  if (request.rows.empty())
+    request.rows = {"five_sensors", "tenth_of_people", "takes_too", "diffusion", "no_overlap"};
+}
+
+Json to_json(const study::Interval& interval) {
+  return {{"mean", interval.mean}, {"low", interval.low}, {"high", interval.high}};
+}
+
+Json to_json(const study::AblationStudy& study, const study::AblationResult& result) {
+  Json out = {{"name", result.row.name},
+              {"group", result.row.group},
+              {"title", result.row.title},
+              {"sensors", result.row.sensors},
+              {"parameters", result.parameters},
+              {"bound", {{"mse", result.bound_mse}, {"pve_mm", result.bound_pve_mm}}},
+              {"tests", Json::object()}};
+  for (std::size_t s = 0; s < study::kTestSetCount; ++s) {
+    const auto set = static_cast<study::TestSet>(s);
+    const study::RowErrors& errors = result.on(set);
+    if (errors.empty()) continue;
+    Json& test = out["tests"][std::string(study::ablation_test_name(set))];
+    test = {{"pve_mm", to_json(study::mean_interval(errors.pve_mm))},
+            {"lmk_mm", to_json(study::mean_interval(errors.lmk_mm))},
+            {"mse", to_json(study::mean_interval(errors.mse))},
+            {"jitter_ratio", study::mean_interval(errors.jitter).mean},
+            {"pve_mm_by_seed_and_person", errors.pve_mm}};
+    const std::optional<study::Interval> change = study::change_of(study, result, set);
+    test["pve_change"] = change ? to_json(*change) : Json();
+  }
+  return out;
+}
+
+Json to_json(const study::AblationStudy& study, const StudyAblationOptions& options) {
+  const study::AblationRequest& request = options.request;
+  Json out = {{"rig", options.rig},
+              {"seed", request.seed},
+              {"seeds", request.seeds},
+              {"steps", request.steps},
+              {"training_people", study.training_people},
+              {"training_minutes", study.training_minutes},
+              {"test_people", request.test_people},
+              {"takes", study.takes_are},
+              {"motions", options.motions},
+              {"face", options.face},
+              {"rows", Json::array()},
+              {"shipped", Json::array()}};
+  for (const study::AblationResult& row : study.rows) out["rows"].push_back(to_json(study, row));
+  for (const study::AblationResult& row : study.shipped) out["shipped"].push_back(to_json(study, row));
+  return out;
+}
+
+Result<void> load_motions(StudyAblationOptions& options) {
+  if (options.motions.empty()) return {};
+  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face, terminal_progress("face")));
+  for (const std::string& path : options.motions) {
+    MIEN_TRY_ASSIGN(Performance performance, load_performance(path));
+    options.request.recorded.push_back({std::move(performance.motion), face});
+  }
+  return {};
+}
+
+Result<void> load_shipped(study::AblationRequest& request) {
+  for (const auto& [name, part] : {std::pair("the shipped live model", "models/live.safetensors"),
+                                   std::pair("the shipped window model", "models/default.safetensors")}) {
+    MIEN_TRY_ASSIGN(const std::filesystem::path path, find_resource(part));
+    MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(path));
+    request.shipped.push_back({name, std::move(file)});
+  }
+  return {};
+}
+
+Result<void> run_study_ablation(StudyAblationOptions options) {
+  study::AblationRequest& request = options.request;
+  MIEN_TRY_ASSIGN(request.rig, path_or(options.rig, "rigs/default.toml"));
+  options.rig = request.rig.string();
+  request.takes = options.takes;
+  request.splits = options.splits;
+  request.data.seed = request.seed;
+  if (options.quick) make_quick(request);
+  // Before hours of work.
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(request.rig));
+  MIEN_TRY(study::chosen_rows(rig, request.rows));
+  MIEN_TRY(load_motions(options));
+  if (!options.no_shipped) MIEN_TRY(load_shipped(request));
+  request.tell = [](const std::string& sentence) {
+    clear_progress();
+    fmt::print(stderr, "mien: {}\n", sentence);
+  };
+  const std::filesystem::path folder = options.out;
+  MIEN_TRY(make_private_folders(folder));
+
+  MIEN_TRY_ASSIGN(
+      const study::AblationStudy study,
+      study::study_ablation(request, train_by_helper(folder / "trainings"), terminal_progress("ablation")));
+  clear_progress();
+  const std::string subtitle =
+      fmt::format("{} trainings a row of {} steps, seed {}", request.seeds, request.steps, request.seed);
+  std::string text = plain_text(study::beside_the_paper(study)) + "\n";
+  for (std::size_t s = 0; s < study::kTestSetCount; ++s)
+    if (const measure::Table table = study::ablation_table(study, static_cast<study::TestSet>(s));
+        !table.rows.empty())
+      text += plain_text(table) + "\n";
+  const Json json = to_json(study, options);
+  MIEN_TRY(write_file(folder / "ablation.txt", text + study::ablation_legend(study) + "\n"));
+  MIEN_TRY(
+      write_file(folder / "ablation.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"));
+  MIEN_TRY(study::ablation_report(study, subtitle).write(folder / "ablation.html"));
+  if (options.json) {
+    print_json(json);
+    return {};
+  }
+  fmt::print("What fewer sensors, less data and other networks cost: {}\n\n{}report: {}\n", subtitle, text,
+             (folder / "ablation.html").string());
+  return {};
+}
+
+}  // namespace
+
+void add_study_ablation(Commands& commands, Command study) {
+  auto options = std::make_shared<StudyAblationOptions>();
+  const Command command = commands.add_under(
+      study, "ablation", "What fewer sensors, less data and other networks cost, by short trainings",
+      "mien study ablation --out ablation\n  mien study ablation --rows five_sensors --out five",
+      [options] { return run_study_ablation(*options); });
+  study::AblationRequest& request = options->request;
+  command.add_option(
+      "--rows", request.rows,
+      "Only these rows, by name, and the base: five_sensors, no_frontalis, no_orbicularis, "
+      "no_zygomaticus, no_buccinator, one_side, third_of_people, tenth_of_people, takes_alone, "
+      "takes_too, transformer, diffusion, no_overlap, window_30, window_60, window_240");
+  command
+      .add_option("--seeds", request.seeds,
+                  "Trainings of each row: more narrow the intervals, and take as much longer")
+      .in_range(1, 100)
+      .show_default();
+  command.add_option("--steps", request.steps, "Steps of each training, the same for all rows")
+      .in_range(1, 1000000)
+      .show_default();
+  command.add_option("--performers", request.data.performers, "Virtual people who are trained on")
+      .in_range(10, 1000000)
+      .show_default();
+  command.add_option("--people", request.test_people, "Virtual people of each kind whom rows are tried on")
+      .in_range(1, 10000)
+      .show_default();
+  const Option takes = command.add_option("--takes", options->takes,
+                                          "Folder of people's takes with a phone's truth, for the rows of "
+                                          "takes; virtual people before virtual phones unless told");
+  command
+      .add_option("--splits", options->splits,
+                  "File of who of the takes is trained on and who validated on, as `mien dataset` writes it")
+      .needs(takes);
+  const Option motions =
+      command.add_option("--motion", options->motions,
+                         "A recorded performance to try all rows on: a Live Link Face CSV or "
+                         "a take; may be given often");
+  command.add_option("--face", options->face, "Face of the --motion, as mien face takes it")
+      .needs(motions)
+      .show_default();
+  command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+  command.add_flag("--no-shipped", options->no_shipped, "Leave the shipped models out of the table");
+  add_seed_option(command, request.seed, "Of all people, and of the trainings");
+  command.add_flag("--quick", options->quick,
+                   "Few rows, people and steps, in two minutes: shows that it works, compares nothing");
+  command
+      .add_option("--out", options->out,
+                  "Folder for ablation.html, ablation.txt and ablation.json, made where it is not; its "
+                  "`trainings` keep what is trained, so that a study that was stopped goes on")
+      .required();
+  command.add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

@@ -1,0 +1,217 @@
+#include "mien/study/imu/ablation/ablation_report.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+#include <vector>
+
+namespace mien::study {
+namespace {
+
+constexpr std::array kShownSets = {TestSet::device, TestSet::lab, TestSet::strangers, TestSet::recorded,
+                                   TestSet::seen};
+
+std::string title_of(TestSet set) {
+  switch (set) {
+    case TestSet::device:
+      return "people like those of the training, device profile";
+    case TestSet::lab:
+      return "the same people, lab profile";
+    case TestSet::strangers:
+      return "people unlike those of the training, device profile";
+    case TestSet::recorded:
+      return "recorded performances, device profile";
+    case TestSet::seen:
+      return "people who were trained on, lab profile";
+  }
+  return {};
+}
+
+std::string percent(const Interval& change) {
+  return fmt::format("{:+.1f} % ({:+.1f} to {:+.1f})", 100 * change.mean, 100 * change.low,
+                     100 * change.high);
+}
+
+std::string with_interval(const SeedFigures& figures, int decimals) {
+  const Interval of = mean_interval(figures);
+  return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", of.mean, decimals, of.low, decimals, of.high, decimals);
+}
+
+const AblationResult* find_row(const AblationStudy& study, std::string_view name) {
+  for (const AblationResult& row : study.rows)
+    if (row.row.name == name) return &row;
+  return nullptr;
+}
+
+std::string group_title(const std::string& group) {
+  if (group == "sensors") return "sensors";
+  if (group == "data") return "data";
+  if (group == "networks") return "networks";
+  if (group == "windows") return "windows";
+  return "trained before, by a budget of their own";
+}
+
+/// A row of CAPUS's Table 1 over its first.
+struct PaperChange {
+  const char* row;
+  double pve, lmk, mse;
+};
+constexpr std::array kPaperChanges = {
+    PaperChange{"five_sensors", 0.078 / 0.075 - 1, 0.129 / 0.126 - 1, 0.0082 / 0.0075 - 1},
+    PaperChange{"third_of_people", 0.089 / 0.075 - 1, 0.150 / 0.126 - 1, 0.0093 / 0.0075 - 1}};
+
+std::optional<Interval> change_of_figures(const SeedFigures& figures, const SeedFigures& base) {
+  if (figures.size() != base.size() || base.empty() || figures.front().size() != base.front().size())
+    return std::nullopt;
+  return change_interval(figures, base);
+}
+
+measure::BarPlot changes_plot(const AblationStudy& study) {
+  measure::BarPlot plot;
+  plot.title = "Vertex error, people like those of the training, device profile; bars of 95 % confidence";
+  plot.value_label = "PVE (mm)";
+  plot.series = {"PVE"};
+  for (const auto* rows : {&study.rows, &study.shipped})
+    for (const AblationResult& row : *rows) {
+      const RowErrors& errors = row.on(TestSet::device);
+      if (errors.empty()) continue;
+      const Interval of = mean_interval(errors.pve_mm);
+      plot.groups.push_back({row.row.title, {of.mean}, {of.high - of.mean}});
+    }
+  return plot;
+}
+
+std::vector<measure::LinePlot> curve_plots(const AblationStudy& study) {
+  std::vector<measure::LinePlot> plots;
+  for (const char* name : {"base", "third_of_people", "tenth_of_people"}) {
+    const AblationResult* row = find_row(study, name);
+    if (row == nullptr || row->curve.steps.empty()) continue;
+    measure::LinePlot plot;
+    plot.title = fmt::format("Training against held-out people: {}", row->row.title);
+    plot.x_label = "steps";
+    plot.y_label = "loss";
+    plot.lines.push_back({"validation, squared error", row->curve.steps, row->curve.validation_mse, true});
+    plot.lines.push_back(
+        {"training, the loss that is made small", row->curve.steps, row->curve.training_loss, true});
+    plots.push_back(std::move(plot));
+  }
+  return plots;
+}
+
+}  // namespace
+
+std::optional<Interval> change_of(const AblationStudy& study, const AblationResult& row, TestSet set) {
+  // Of those who are trained on, rows with fewer people have others.
+  if (&row == study.rows.data() || (set == TestSet::seen && row.row.one_in > 1)) return std::nullopt;
+  return change_of_figures(row.on(set).pve_mm, study.rows.front().on(set).pve_mm);
+}
+
+measure::Table ablation_table(const AblationStudy& study, TestSet set) {
+  measure::Table table;
+  table.caption = title_of(set);
+  table.columns = {"", "PVE, mm", "change of PVE", "landmarks, mm", "MSE", "jitter"};
+  std::string group;
+  for (const auto* rows : {&study.rows, &study.shipped})
+    for (const AblationResult& row : *rows) {
+      const RowErrors& errors = row.on(set);
+      if (errors.empty()) continue;
+      if (row.row.group != group) {
+        group = row.row.group;
+        table.rows.push_back({group_title(group)});
+      }
+      const std::optional<Interval> change = change_of(study, row, set);
+      table.rows.push_back({row.row.title, with_interval(errors.pve_mm, 3), change ? percent(*change) : "–",
+                            with_interval(errors.lmk_mm, 3), with_interval(errors.mse, 4),
+                            fmt::format("{:.2f}", mean_interval(errors.jitter).mean)});
+      if (&row == study.rows.data()) table.strong_rows.push_back(table.rows.size() - 1);
+    }
+  return table;
+}
+
+measure::Table beside_the_paper(const AblationStudy& study) {
+  measure::Table table;
+  table.caption = "Change against all sensors and all data, beside CAPUS's Table 1 and the linear bound";
+  table.columns = {"", "", "PVE", "landmarks", "MSE"};
+  const AblationResult& base = study.rows.front();
+  for (const PaperChange& paper : kPaperChanges) {
+    const AblationResult* row = find_row(study, paper.row);
+    if (row == nullptr) continue;
+    const auto share = [](double value) { return fmt::format("{:+.0f} %", 100 * value); };
+    table.rows.push_back({row->row.title, "CAPUS", share(paper.pve), share(paper.lmk), share(paper.mse)});
+    for (const TestSet set : {TestSet::device, TestSet::lab}) {
+      const RowErrors &figures = row->on(set), &whole = base.on(set);
+      const auto change = [](const SeedFigures& of, const SeedFigures& against) {
+        const std::optional<Interval> interval = change_of_figures(of, against);
+        return interval ? percent(*interval) : std::string("–");
+      };
+      table.rows.push_back({"", set == TestSet::device ? "here, device" : "here, lab",
+                            change(figures.pve_mm, whole.pve_mm), change(figures.lmk_mm, whole.lmk_mm),
+                            change(figures.mse, whole.mse)});
+    }
+    if (row->row.sensors != base.row.sensors && base.bound_mse > 0)
+      table.rows.push_back({"", "linear bound, one frame", share(row->bound_pve_mm / base.bound_pve_mm - 1),
+                            "–", share(row->bound_mse / base.bound_mse - 1)});
+  }
+  return table;
+}
+
+std::string ablation_legend(const AblationStudy& study) {
+  return fmt::format(
+      "Every network was trained with the same number of steps on as many frames a step; figures are means "
+      "over "
+      "seeds and people, in brackets where they lie with 95 % confidence (Student's t; people and seeds "
+      "vary). "
+      "The change is against the first row, paired by person and seed. Virtual performers: {} people, {:.0f} "
+      "minutes. Takes: {}. PVE is the mean distance of all vertices between the captured face and the true "
+      "one; "
+      "MSE is of the 53 weights; jitter is the third difference of the landmarks over the truth's.",
+      study.training_people, study.training_minutes, study.takes_are);
+}
+
+measure::Report ablation_report(const AblationStudy& study, const std::string& subtitle) {
+  measure::Report report("What fewer sensors, less data and other networks cost", subtitle);
+  std::vector<measure::KeyFigure> keys;
+  const auto key = [&](const char* name, const char* title) {
+    const AblationResult* row = find_row(study, name);
+    if (row == nullptr) return;
+    const std::optional<Interval> change = change_of(study, *row, TestSet::device);
+    if (change)
+      keys.push_back(
+          {title, fmt::format("{:+.0f} %", 100 * change->mean),
+           fmt::format("{:+.0f} to {:+.0f} % vertex error", 100 * change->low, 100 * change->high)});
+  };
+  key("five_sensors", "five sensors instead of all");
+  key("third_of_people", "a third of the people");
+  key("takes_alone", "people's takes alone");
+  key("diffusion", "diffusion instead of recurrent");
+  report.key_figures(keys);
+  if (const measure::Table paper = beside_the_paper(study); !paper.rows.empty()) {
+    report.table(paper);
+    report.text(
+        "CAPUS (AAAI 2025) trained and tried on recordings of its own, which nobody else has; its changes "
+        "are "
+        "shown, since its millimetres are of another face and unit. The linear bound is what one frame of "
+        "orientations can tell at best, every shape independent of the others (mien study bound).");
+  }
+  report.bars(changes_plot(study));
+  for (const TestSet set : kShownSets)
+    if (const measure::Table table = ablation_table(study, set); !table.rows.empty()) report.table(table);
+  report.text(ablation_legend(study));
+  const std::vector<measure::LinePlot> curves = curve_plots(study);
+  if (!curves.empty()) {
+    report.heading("Is anything learnt by heart?");
+    report.text(
+        "Training's loss is of augmented windows, with sensors missing now and then, and of changes from "
+        "frame to "
+        "frame as well, so the two curves are no pair of the same measure: what tells is whether the "
+        "held-out one "
+        "turns upwards. The table of people who were trained on, above, is the same measure as that of the "
+        "lab "
+        "profile.");
+    for (const measure::LinePlot& plot : curves) report.plot(plot);
+  }
+  return report;
+}
+
+}  // namespace mien::study

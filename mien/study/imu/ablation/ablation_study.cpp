@@ -1,0 +1,362 @@
+#include "mien/study/imu/ablation/ablation_study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <sstream>
+#include <utility>
+
+#include "mien/builtin_face/builtin_face.h"
+#include "mien/core/files.h"
+#include "mien/core/units.h"
+#include "mien/sensor/rig_part.h"
+#include "mien/study/imu/ablation/takes_stand_in.h"
+#include "mien/study/imu/dataset_part.h"
+#include "mien/study/imu/sensor_bound.h"
+#include "mien/study/imu/watched_person.h"
+#include "mien/study/takes/training_takes.h"
+
+namespace mien::study {
+namespace {
+
+/// Shares of the whole work, for progress.
+constexpr double kPeopleShare = 0.03, kTrainedShare = 0.9;
+/// Apart from the seeds of those who are trained on.
+constexpr std::uint64_t kTestSeed = 5'000, kStrangerSeed = 6'000;
+/// The bound beside each row: what real weights have about, and consumer fusion's noise.
+constexpr double kBoundPrior = 0.10, kBoundNoiseRad = 2 * kRadPerDeg;
+
+/// Of those who are trained on so many are looked at; of a row of one in kFewestShare, too.
+constexpr std::size_t kSeenPeople = 8, kFewestShare = 10;
+
+constexpr const char* kShippedGroup = "shipped";
+
+/// A part of the whole work, which reports itself as from 0 to 1.
+Progress part_of_work(const Progress& whole, double from, double to) {
+  return [&whole, from, to](double part, std::string_view what) {
+    return whole(from + part * (to - from), what);
+  };
+}
+
+/// Whom the networks are tried on, as all sensors saw them.
+struct Tested {
+  std::array<std::vector<ImuPerson>, kTestSetCount> sets;
+};
+
+Result<Tested> make_tests(const AblationRequest& request, const sensor::Rig& rig, const Progress& progress) {
+  Tested out;
+  const auto set = [&](TestSet which) -> std::vector<ImuPerson>& {
+    return out.sets[static_cast<std::size_t>(which)];
+  };
+  DataRecipe like = request.data;
+  like.seed = request.seed + kTestSeed;
+  like.performers = static_cast<int>(request.test_people);
+  like.validation_performers = 0;
+  like.seconds = like.device_seconds = request.test_seconds;
+  like.device_share = 1;
+  like.device_long_share = 0;
+  MIEN_TRY_ASSIGN(const TrainingData others,
+                  make_dataset(like, "builtin", rig, part_of_work(progress, 0, 0.5)));
+  set(TestSet::device) = watched(others.train);
+  set(TestSet::lab) = watched_in_lab(others.train, like.seed);
+  MIEN_TRY_ASSIGN(set(TestSet::strangers),
+                  watch_shifted(static_cast<int>(request.test_people), request.test_seconds,
+                                request.seed + kStrangerSeed, rig, part_of_work(progress, 0.5, 0.9), 0));
+  // The first of those who are trained on, enough of them for each row: whoever performs is the same, however
+  // many do.
+  DataRecipe seen = request.data;
+  seen.performers = std::min(seen.performers, static_cast<int>(kFewestShare * kSeenPeople));
+  seen.validation_performers = 0;
+  seen.device_seconds = 0;
+  MIEN_TRY_ASSIGN(const TrainingData learnt,
+                  make_dataset(seen, "builtin", rig, part_of_work(progress, 0.9, 1)));
+  set(TestSet::seen) = watched_in_lab(learnt.train, like.seed);
+  for (std::size_t i = 0; i < request.recorded.size(); ++i) {
+    const RecordedMotion& one = request.recorded[i];
+    MIEN_TRY_ASSIGN(set(TestSet::recorded).emplace_back(),
+                    watch_recorded(one.motion, one.face, rig, Random(request.seed).fork("recorded", i)));
+  }
+  return out;
+}
+
+/// What rows learn from: made when it is first asked for, and kept.
+class AblationData {
+ public:
+  AblationData(const AblationRequest& request, const sensor::Rig& rig, std::string rig_text)
+      : request_(request), rig_(rig), rig_text_(std::move(rig_text)) {}
+
+  /// Names all that a row's data depend on.
+  [[nodiscard]] std::string key(const AblationRow& row, std::size_t seed) const {
+    std::string out =
+        fmt::format("{}\n{}\n{}\n", data_table(request_.data), rig_text_, fmt::join(row.sensors, " "));
+    if (row.one_in > 1) out += fmt::format("one in {}, {}\n", row.one_in, seed);
+    if (row.learns_from != LearnsFrom::performers)
+      out += fmt::format("{} {}\n", row.learns_from == LearnsFrom::takes ? "takes" : "both", takes_key());
+    return out;
+  }
+
+  Result<TrainingData> of(const AblationRow& row, std::size_t seed, const Progress& progress) {
+    TrainingData out;
+    if (row.learns_from == LearnsFrom::takes) {
+      MIEN_TRY_ASSIGN(const TrainingData* taken, takes(progress));
+      out = *taken;
+    } else {
+      MIEN_TRY_ASSIGN(const TrainingData* all, performers(progress));
+      out = {one_in_people(all->train, row.one_in, seed), all->validation};
+    }
+    if (row.learns_from == LearnsFrom::both) {
+      MIEN_TRY_ASSIGN(const TrainingData* taken, takes(progress));
+      MIEN_TRY_ASSIGN(out, put_together(std::move(out), *taken));
+    }
+    if (row.sensors == rig_.face_sensor_names()) return out;
+    MIEN_TRY_ASSIGN(out.train, with_sensors(out.train, row.sensors));
+    MIEN_TRY_ASSIGN(out.validation, with_sensors(out.validation, row.sensors));
+    return out;
+  }
+
+  /// Whose takes they are, for people.
+  [[nodiscard]] std::string takes_are() const {
+    if (!request_.takes.empty()) return request_.takes.string();
+    return fmt::format("{} virtual people for {:g} s each, labelled by virtual phones", request_.stand_ins,
+                       request_.stand_in_seconds);
+  }
+
+ private:
+  [[nodiscard]] std::string takes_key() const {
+    if (request_.takes.empty())
+      return fmt::format("{} for {} s, seed {}", request_.stand_ins, request_.stand_in_seconds,
+                         request_.seed);
+    // Whoever records more, or anew, has other data.
+    std::string out = fmt::format("{} {}", request_.takes.string(), request_.splits.string());
+    std::error_code code;
+    std::vector<std::string> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(request_.takes, code))
+      if (entry.is_regular_file(code))
+        files.push_back(fmt::format("{} {} {}", entry.path().string(), entry.file_size(code),
+                                    entry.last_write_time(code).time_since_epoch().count()));
+    std::ranges::sort(files);
+    for (const std::string& file : files) out += "\n" + file;
+    return out;
+  }
+
+  Result<const TrainingData*> performers(const Progress& progress) {
+    if (!performers_) {
+      MIEN_TRY_ASSIGN(performers_, make_dataset(request_.data, "builtin", rig_, progress));
+    }
+    return &*performers_;
+  }
+
+  Result<const TrainingData*> takes(const Progress& progress) {
+    if (takes_) return &*takes_;
+    if (request_.takes.empty()) {
+      MIEN_TRY_ASSIGN(StandIn people, stand_in_takes({.people = request_.stand_ins,
+                                                      .seconds = request_.stand_in_seconds,
+                                                      .rig = request_.rig,
+                                                      .seed = request_.seed},
+                                                     progress));
+      takes_ = std::move(people.data);
+      for (const std::string& sentence : people.left_out) request_.tell(sentence);
+    } else {
+      MIEN_TRY_ASSIGN(TakesData people,
+                      read_training_takes(request_.takes, request_.splits, rig_, request_.seed, progress));
+      for (Dataset* set : {&people.data.train, &people.data.validation})
+        for (Sequence& sequence : set->sequences) sequence.from_take = true;
+      takes_ = std::move(people.data);
+      for (const std::string& sentence : people.left_out) request_.tell(sentence);
+    }
+    return &*takes_;
+  }
+
+  const AblationRequest& request_;
+  const sensor::Rig& rig_;
+  std::string rig_text_;
+  std::optional<TrainingData> performers_, takes_;
+};
+
+/// The rig with the head's sensor and these of the face.
+std::string rig_of_sensors(const sensor::Rig& rig, const std::vector<std::string>& names) {
+  sensor::Rig part = rig;
+  std::erase_if(part.sensors, [&](const sensor::Mount& mount) {
+    return mount.role == "face" && std::ranges::find(names, mount.name) == names.end();
+  });
+  part.skin.reset();  // The networks' input is made already.
+  return sensor::write_rig(part);
+}
+
+/// Of those who are trained on, the first whom a row's training of this seed learnt from.
+std::vector<ImuPerson> learnt_by(const AblationRow& row, std::size_t seed,
+                                 const std::vector<ImuPerson>& seen) {
+  std::vector<ImuPerson> out;
+  for (std::size_t p = seed % row.one_in; p < seen.size() && out.size() < kSeenPeople; p += row.one_in)
+    out.push_back(seen[p]);
+  return out;
+}
+
+/// Rows of the CSV that the trainer writes; a row that is none is passed over.
+LossCurve curve_of(const std::string& csv) {
+  LossCurve out;
+  std::istringstream lines(csv);
+  std::string line;
+  while (std::getline(lines, line)) {
+    std::ranges::replace(line, ',', ' ');
+    std::istringstream cells(line);
+    double step = 0, seconds = 0, windows = 0, rate = 0, training = 0, validation = 0, mse = 0;
+    if (!(cells >> step >> seconds >> windows >> rate >> training >> validation >> mse)) continue;
+    out.steps.push_back(step);
+    out.training_loss.push_back(training);
+    out.validation_loss.push_back(validation);
+    out.validation_mse.push_back(mse);
+  }
+  return out;
+}
+
+class AblationWork {
+ public:
+  AblationWork(const AblationRequest& request, const sensor::Rig& rig, std::string rig_text,
+               const Progress& progress)
+      : request_(request),
+        rig_(rig),
+        data_(request, rig, std::move(rig_text)),
+        progress_(progress),
+        face_(builtin_face::make_builtin()),
+        meter_(face_) {}
+
+  Result<AblationStudy> run(std::vector<AblationRow> rows, const TrainShort& train) {
+    MIEN_TRY_ASSIGN(tested_, make_tests(request_, rig_, part_of_work(progress_, 0, kPeopleShare)));
+    MIEN_TRY_ASSIGN(const std::vector<ShortTrained> trained, train_rows(rows, train));
+    AblationStudy out;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      if (!progress_(kTrainedShare + (1 - kTrainedShare) * static_cast<double>(r) /
+                                         static_cast<double>(rows.size() + request_.shipped.size()),
+                     rows[r].title))
+        return fail(ErrorCode::cancelled, "stopped", "study ablation");
+      std::vector<const model::ModelFile*> models;
+      for (std::size_t s = 0; s < request_.seeds; ++s) models.push_back(&trained[first_of_[r] + s].model);
+      MIEN_TRY_ASSIGN(AblationResult result, tried(std::move(rows[r]), models));
+      result.curve = curve_of(trained[first_of_[r]].curve);
+      out.rows.push_back(std::move(result));
+    }
+    for (const ShippedModel& shipped : request_.shipped) {
+      AblationRow row{.name = shipped.name,
+                      .group = kShippedGroup,
+                      .title = shipped.name,
+                      .sensors = shipped.file.features.sensors};
+      MIEN_TRY_ASSIGN(out.shipped.emplace_back(), tried(std::move(row), {&shipped.file}));
+    }
+    out.takes_are = data_.takes_are();
+    out.training_people = static_cast<std::size_t>(request_.data.performers);
+    out.training_minutes =
+        request_.data.performers *
+        (request_.data.seconds + request_.data.device_share * request_.data.device_seconds) / 60;
+    progress_(1, "done");
+    return out;
+  }
+
+ private:
+  /// Two rows whose networks are trained alike share them.
+  static bool trained_alike(const AblationRow& a, const AblationRow& b) {
+    return a.sensors == b.sensors && a.one_in == b.one_in && a.learns_from == b.learns_from &&
+           a.network == b.network && a.window == b.window;
+  }
+
+  Result<std::vector<ShortTrained>> train_rows(const std::vector<AblationRow>& rows,
+                                               const TrainShort& train) {
+    std::vector<ShortTraining> trainings;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      std::size_t alike = 0;
+      while (!trained_alike(rows[alike], rows[r])) ++alike;
+      first_of_.push_back(alike < r ? first_of_[alike] : trainings.size());
+      if (alike < r) continue;
+      for (std::size_t s = 0; s < request_.seeds; ++s) trainings.push_back(training_of(rows[r], s));
+    }
+    return train(trainings, part_of_work(progress_, kPeopleShare, kTrainedShare));
+  }
+
+  ShortTraining training_of(const AblationRow& row, std::size_t seed) {
+    return {.name = fmt::format("{}-{}", row.name, seed + 1),
+            .recipe = short_recipe({.seed = request_.seed * 100 + seed,
+                                    .steps = request_.steps,
+                                    .network = row.network,
+                                    .window = row.window},
+                                   request_.data),
+            .rig = rig_of_sensors(rig_, row.sensors),
+            .data_key = data_.key(row, seed),
+            .data = [this, row, seed](const Progress& progress) { return data_.of(row, seed, progress); }};
+  }
+
+  Result<AblationResult> tried(AblationRow row, const std::vector<const model::ModelFile*>& models) const {
+    AblationResult out;
+    for (std::size_t set = 0; set < kTestSetCount; ++set)
+      for (std::size_t seed = 0; seed < models.size(); ++seed)
+        MIEN_TRY(try_on(set, row, seed, *models[seed], out));
+    out.parameters = model::parameter_count(models.front()->architecture);
+    MIEN_TRY(bound(row, out));
+    out.row = std::move(row);
+    return out;
+  }
+
+  Result<void> try_on(std::size_t set, const AblationRow& row, std::size_t seed,
+                      const model::ModelFile& model, AblationResult& out) const {
+    const bool seen = static_cast<TestSet>(set) == TestSet::seen;
+    if (seen && (row.group == kShippedGroup || row.learns_from == LearnsFrom::takes)) return {};
+    const std::vector<ImuPerson> learnt =
+        seen ? learnt_by(row, seed, tested_.sets[set]) : std::vector<ImuPerson>();
+    const std::vector<ImuPerson>& people = seen ? learnt : tested_.sets[set];
+    if (people.empty()) return {};
+    MIEN_TRY_ASSIGN(const std::vector<PersonErrors> errors,
+                    errors_of_people(model, rig_.face_sensor_names(), people, meter_, row.join));
+    RowErrors& to = out.errors[set];
+    for (SeedFigures* figures : {&to.pve_mm, &to.lmk_mm, &to.mse, &to.jitter}) figures->emplace_back();
+    for (const PersonErrors& person : errors) {
+      to.pve_mm.back().push_back(person.pve_mm);
+      to.lmk_mm.back().push_back(person.lmk_mm);
+      to.mse.back().push_back(person.mse);
+      to.jitter.back().push_back(person.jitter);
+    }
+    return {};
+  }
+
+  Result<void> bound(const AblationRow& row, AblationResult& out) const {
+    MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> all, virt::skin_sites(face_, rig_));
+    std::vector<virt::SkinSite> sites;
+    for (const std::string& name : row.sensors)
+      if (const auto s = rig_.find(name)) sites.push_back(all[*s]);
+    if (sites.empty()) return {};
+    const SensorBound told = sensor_bound(meter_, sites, kBoundPrior, kBoundNoiseRad, Random(request_.seed));
+    out.bound_mse = told.mse;
+    out.bound_pve_mm = told.pve_mm.mean;
+    return {};
+  }
+
+  const AblationRequest& request_;
+  const sensor::Rig& rig_;
+  AblationData data_;
+  const Progress& progress_;
+  face::Face face_;
+  measure::Meter meter_;
+  Tested tested_;
+  std::vector<std::size_t> first_of_;  ///< Of each row, its first seed's training.
+};
+
+}  // namespace
+
+std::string_view ablation_test_name(TestSet set) {
+  constexpr std::array<std::string_view, kTestSetCount> kNames = {"device", "lab", "strangers", "recorded",
+                                                                  "seen"};
+  return kNames[static_cast<std::size_t>(set)];
+}
+
+Result<AblationStudy> study_ablation(const AblationRequest& request, const TrainShort& train,
+                                     const Progress& progress) {
+  MIEN_TRY_ASSIGN(std::string rig_text, read_text(request.rig));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_text, request.rig.string()));
+  if (sensor::kinds_of(rig) != std::vector<std::string>{"imu"} || rig.face_sensors().empty())
+    return fail(ErrorCode::mismatch, "the rig has no IMUs on the face, or other sensors beside them",
+                request.rig.string(), "use one such as rigs/default.toml");
+  MIEN_TRY_ASSIGN(std::vector<AblationRow> rows, chosen_rows(rig, request.rows));
+  return AblationWork(request, rig, std::move(rig_text), progress).run(std::move(rows), train);
+}
+
+}  // namespace mien::study

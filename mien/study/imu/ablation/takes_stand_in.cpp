@@ -1,0 +1,93 @@
+#include "mien/study/imu/ablation/takes_stand_in.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <utility>
+
+#include "mien/core/time.h"
+#include "mien/study/imu/filmed_wearer.h"
+#include "mien/study/performance.h"
+#include "mien/study/performers.h"
+#include "mien/study/shifted_person.h"
+
+namespace mien::study {
+namespace {
+
+/// Stretches of labels shorter than this are nothing to train on.
+constexpr std::size_t kShortestStretch = 2 * static_cast<std::size_t>(kFrameRateHz);
+/// Of the built-in family; far from those that other studies draw.
+constexpr std::uint64_t kFirstFace = 70'000;
+
+struct StandInPerson {
+  std::vector<Sequence> sequences;
+  std::optional<std::string> left_out;
+};
+
+std::vector<Sequence> labelled(const FilmedWearer& filmed, const PhoneTruth& truth, std::uint32_t performer) {
+  std::vector<Sequence> out;
+  Sequence stretch;
+  const auto end_stretch = [&] {
+    if (stretch.frames >= kShortestStretch) out.push_back(std::move(stretch));
+    stretch = {};
+    stretch.performer = performer;
+    stretch.from_take = true;
+  };
+  end_stretch();
+  for (std::size_t f = 0; f < filmed.features.size(); ++f) {
+    if (truth.frames[f].evaluated && truth.frames[f].has_face)
+      append_frame(filmed.features[f].sensors, truth.frames[f].weights, stretch);
+    else
+      end_stretch();
+  }
+  end_stretch();
+  return out;
+}
+
+Result<StandInPerson> stand_in(const StandInRequest& request, std::size_t p) {
+  const Random root = Random(request.seed).fork("stand-in", p);
+  const std::uint64_t number = kFirstFace + request.seed * 1000 + p;
+  WearerRequest wearer;
+  wearer.face = fmt::format("builtin:{}", number);
+  wearer.rig = request.rig;
+  wearer.unlike = root.fork("unlike").uniform();
+  wearer.seed = number;
+  wearer.phone = virt::usual_phone();
+  wearer.motion = p % 2 == 0 ? draw_motion(request.seconds, draw_person(root).style, root)
+                             : draw_shifted_person(p / 2, request.seconds, root).motion;
+  MIEN_TRY_ASSIGN(const FilmedWearer filmed, film_wearer(wearer));
+  StandInPerson out;
+  const Result<PhoneTruth> truth = truth_of(filmed);
+  if (!truth) {
+    if (!is_bad_input(truth.error().code)) return std::unexpected(truth.error());
+    out.left_out = fmt::format("person {}: {}", p + 1, truth.error().what);
+    return out;
+  }
+  out.sequences = labelled(filmed, *truth, static_cast<std::uint32_t>(p));
+  return out;
+}
+
+}  // namespace
+
+Result<StandIn> stand_in_takes(const StandInRequest& request, const Progress& progress) {
+  std::vector<StandInPerson> people(request.people);
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(request.rig));
+  MIEN_TRY(for_each_performer(people.size(), 0, progress, [&](std::size_t p) -> Result<void> {
+    MIEN_TRY_ASSIGN(people[p], stand_in(request, p));
+    return {};
+  }));
+  StandIn out;
+  out.data.train.sensors = out.data.validation.sensors = rig.face_sensor_names();
+  for (std::size_t p = 0; p < people.size(); ++p) {
+    if (people[p].left_out) out.left_out.push_back(*people[p].left_out);
+    constexpr std::size_t kEvery = 5;
+    Dataset& set = p % kEvery == kEvery - 1 ? out.data.validation : out.data.train;
+    for (Sequence& sequence : people[p].sequences) set.sequences.push_back(std::move(sequence));
+  }
+  if (out.data.train.sequences.empty())
+    return fail(ErrorCode::not_found, "no phone's time was found, so nobody is labelled", "takes",
+                "let them perform for longer");
+  return out;
+}
+
+}  // namespace mien::study

@@ -1,0 +1,75 @@
+#include "mien/study/imu/person_errors.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "mien/core/units.h"
+#include "mien/study/performers.h"
+
+namespace mien::study {
+namespace {
+
+/// The profile's white noise, an axis.
+constexpr double kLabNoiseRad = kRadPerDeg;
+
+/// Frames that are answered together.
+std::size_t piece_of(const model::ModelFile& model, std::size_t frames, WindowJoin join) {
+  const bool apart =
+      join == WindowJoin::side_by_side && model.architecture.kind == model::NetworkKind::window;
+  return apart ? model.architecture.window : std::max<std::size_t>(frames, 1);
+}
+
+Result<PersonErrors> errors_of(const model::ModelFile& model, const std::vector<std::string>& sensors,
+                               const ImuPerson& person, const measure::Meter& meter, WindowJoin join) {
+  const std::size_t frames = person.features.size(), piece = piece_of(model, frames, join);
+  std::vector<face::BlendshapeWeights> answer;
+  for (std::size_t begin = 0; begin < frames; begin += piece) {
+    MIEN_TRY_ASSIGN(const std::vector<face::BlendshapeWeights> part,
+                    answers_of(model, sensors,
+                               std::span(person.features).subspan(begin, std::min(piece, frames - begin))));
+    answer.insert(answer.end(), part.begin(), part.end());
+  }
+  const measure::Stretch stretch{person.truth, answer};
+  const measure::Metrics metrics = meter.measure({&stretch, 1});
+  return PersonErrors{.pve_mm = metrics.pve_mm.mean,
+                      .lmk_mm = metrics.lmk_mm ? metrics.lmk_mm->mean : 0,
+                      .mse = metrics.mse,
+                      .jitter = metrics.jitter_ratio.value_or(0)};
+}
+
+}  // namespace
+
+Result<std::vector<PersonErrors>> errors_of_people(const model::ModelFile& model,
+                                                   const std::vector<std::string>& sensors,
+                                                   std::span<const ImuPerson> people,
+                                                   const measure::Meter& meter, WindowJoin join,
+                                                   unsigned threads) {
+  std::vector<PersonErrors> out(people.size());
+  MIEN_TRY(for_each_performer(people.size(), threads, no_progress, [&](std::size_t p) -> Result<void> {
+    MIEN_TRY_ASSIGN(out[p], errors_of(model, sensors, people[p], meter, join));
+    return {};
+  }));
+  return out;
+}
+
+std::vector<ImuPerson> watched_in_lab(const Dataset& data, std::uint64_t seed) {
+  Dataset lab;
+  lab.sensors = data.sensors;
+  for (const Sequence& sequence : data.sequences)
+    if (sequence.lab) lab.sequences.push_back(sequence);
+  std::vector<ImuPerson> people = watched(lab);
+  for (std::size_t p = 0; p < people.size(); ++p) {
+    Random noise = Random(seed).fork("lab noise", p);
+    for (model::FeatureFrame& frame : people[p].features)
+      for (model::SensorFeature& sensor : frame.sensors) {
+        const Quat clean(sensor.rotation[0], sensor.rotation[1], sensor.rotation[2], sensor.rotation[3]);
+        const Quat noisy = exp_rotation(noise.normal_vector(kLabNoiseRad)) * clean;
+        sensor.rotation = {static_cast<float>(noisy.w()), static_cast<float>(noisy.x()),
+                           static_cast<float>(noisy.y()), static_cast<float>(noisy.z())};
+      }
+  }
+  return people;
+}
+
+}  // namespace mien::study

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/measure/metrics.h"
+#include "mien/model/model_file.h"
+#include "mien/study/imu/watched_person.h"
+
+namespace mien::study {
+
+/// What a model's answers to one person are off, over all of the person's frames.
+struct PersonErrors {
+  double pve_mm = 0;  ///< Mean vertex error.
+  double lmk_mm = 0;  ///< Mean error of the 68 landmarks; 0 on a face without them.
+  double mse = 0;     ///< Of the 53 weights.
+  double jitter = 0;  ///< Third difference of the landmarks over the truth's; 0 where the truth rests.
+};
+
+/// How a window network's windows follow each other; others have none.
+enum class WindowJoin : std::uint8_t {
+  overlap,       ///< Each shares half of itself with the one before, as the solver has it.
+  side_by_side,  ///< Each is answered for itself.
+};
+
+/// Each person's errors, in their order. `sensors`: names of the features' entries; those that the model does
+/// not know are passed over. `meter`: of the face on which weights become millimetres. Errors: the tracker's;
+/// cancelled. The same for any number of threads (0: one a core).
+[[nodiscard]] Result<std::vector<PersonErrors>> errors_of_people(
+    const model::ModelFile& model, const std::vector<std::string>& sensors, std::span<const ImuPerson> people,
+    const measure::Meter& meter, WindowJoin join = WindowJoin::overlap, unsigned threads = 0);
+
+/// People of a data set's *lab* profile, with the profile's degree of white noise an axis, from `seed`.
+[[nodiscard]] std::vector<ImuPerson> watched_in_lab(const Dataset& data, std::uint64_t seed);
+
+}  // namespace mien::study

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "mien/study/imu/make_dataset.h"
+
+namespace mien::study {
+
+/// Which network a study trains, all of about as many parameters (0.2 to 0.3 million with eleven sensors).
+enum class ShortNetwork : std::uint8_t {
+  recurrent,    ///< The live model's kind: two layers of gated recurrent units, 128 wide, frame by frame.
+  transformer,  ///< Two layers over a window of 120 frames, which answers at once: no diffusion.
+  diffusion,    ///< The same, trained as a denoiser at all noise levels, as CAPUS is; asked in four steps.
+};
+
+/// A short training's recipe, but for its data.
+struct ShortRecipe {
+  std::uint64_t seed = 1;   ///< Of weights, order, augmentation and noise.
+  std::size_t steps = 600;  ///< Optimisation steps; each sees 3,840 frames, whatever the window.
+  ShortNetwork network = ShortNetwork::recurrent;
+  std::size_t window = 120;  ///< Frames that are trained together: a divisor of 3,840.
+};
+
+/// As TOML, with what the data are.
+[[nodiscard]] std::string short_recipe(const ShortRecipe& recipe, const DataRecipe& data);
+
+/// Whom short trainings learn from: 300 virtual people for 24 s each in *lab*, and two in five of them in
+/// *device* too, as unlike the standard skin as those of the shipped models.
+[[nodiscard]] DataRecipe short_data(std::uint64_t seed);
+
+/// The `[data]` table of a recipe, without its head.
+[[nodiscard]] std::string data_table(const DataRecipe& data);
+
+}  // namespace mien::study

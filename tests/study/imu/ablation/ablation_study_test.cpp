@@ -1,0 +1,142 @@
+#include "mien/study/imu/ablation/ablation_study.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "mien/study/imu/ablation/ablation_report.h"
+#include "mien/study/imu/ablation/takes_stand_in.h"
+#include "tests/project_path.h"
+#include "tests/tracker/tiny_model.h"
+
+namespace mien::study::ablation_study_test {
+namespace {
+
+AblationRequest small(std::vector<std::string> rows) {
+  AblationRequest request;
+  request.rig = project_path("rigs/default.toml");
+  request.rows = std::move(rows);
+  request.seeds = 2;
+  request.steps = 6;
+  request.data.performers = 6;
+  request.data.validation_performers = 1;
+  request.data.seconds = request.data.device_seconds = 2;
+  request.data.device_share = 0.2;
+  request.test_people = 2;
+  request.test_seconds = 2;
+  return request;
+}
+
+/// A trainer that trains nothing: models of the sensors that the data have, another for each training.
+struct Untrained {
+  std::vector<ShortTraining> asked;
+  std::map<std::string, TrainingData> data;  ///< By the training's name.
+
+  TrainShort trainer() {
+    return [this](std::span<const ShortTraining> trainings,
+                  const Progress& progress) -> Result<std::vector<ShortTrained>> {
+      std::vector<ShortTrained> out;
+      for (const ShortTraining& training : trainings) {
+        asked.push_back(training);
+        MIEN_TRY_ASSIGN(TrainingData made, training.data(progress));
+        out.push_back({tracker::test::tiny_causal_model(made.train.sensors, asked.size()),
+                       "step,seconds,windows,learning_rate,training_loss,validation_loss,validation_mse\n"
+                       "1,0.5,32,0.004,0.9,0.8,0.07\n2,1.0,64,0.004,0.5,0.6,0.05\n"});
+        data.emplace(training.name, std::move(made));
+      }
+      return out;
+    };
+  }
+};
+
+TEST(Ablation, TrainsEveryRowWithEverySeedAndTriesAllOnTheSamePeople) {
+  Untrained untrained;
+  const auto study =
+      study_ablation(small({"five_sensors", "third_of_people"}), untrained.trainer(), no_progress);
+  ASSERT_TRUE(study) << study.error().message();
+  ASSERT_EQ(untrained.asked.size(), 6U);
+  ASSERT_EQ(study->rows.size(), 3U);
+  EXPECT_EQ(untrained.data.at("five_sensors-1").train.sensors.size(), 5U);
+  // Others of the people for each seed, and the same whole for the base.
+  std::set<std::uint32_t> first, second;
+  for (const Sequence& s : untrained.data.at("third_of_people-1").train.sequences) first.insert(s.performer);
+  for (const Sequence& s : untrained.data.at("third_of_people-2").train.sequences) second.insert(s.performer);
+  EXPECT_EQ(first, (std::set<std::uint32_t>{0, 3}));
+  EXPECT_EQ(second, (std::set<std::uint32_t>{1, 4}));
+  EXPECT_EQ(untrained.asked[0].data_key, untrained.asked[1].data_key);
+  EXPECT_NE(untrained.asked[0].recipe, untrained.asked[1].recipe);
+  EXPECT_NE(untrained.asked[4].data_key, untrained.asked[5].data_key);
+
+  for (const AblationResult& row : study->rows) {
+    for (const TestSet set : {TestSet::device, TestSet::lab, TestSet::strangers}) {
+      ASSERT_EQ(row.on(set).pve_mm.size(), 2U);
+      EXPECT_EQ(row.on(set).pve_mm[0].size(), 2U);
+      EXPECT_GT(row.on(set).mse[1][1], 0);
+    }
+    EXPECT_TRUE(row.on(TestSet::recorded).empty());
+    EXPECT_EQ(row.curve.validation_mse, (std::vector<double>{0.07, 0.05}));
+  }
+  // Five sensors tell less than eleven by the bound, whatever the networks are.
+  EXPECT_GT(study->rows[1].bound_mse, 1.05 * study->rows[0].bound_mse);
+  EXPECT_EQ(study->rows[2].bound_mse, study->rows[0].bound_mse);
+  EXPECT_FALSE(change_of(*study, study->rows[0], TestSet::device));
+  EXPECT_TRUE(change_of(*study, study->rows[1], TestSet::device));
+  EXPECT_FALSE(change_of(*study, study->rows[2], TestSet::seen)) << "others are seen by each";
+  const std::string page = ablation_report(*study, "a test").html();
+  EXPECT_NE(page.find("linear bound, one frame"), std::string::npos);
+}
+
+TEST(Ablation, IsTheSameAgain) {
+  Untrained one, two;
+  const AblationRequest request = small({"one_side"});
+  const auto first = study_ablation(request, one.trainer(), no_progress);
+  const auto again = study_ablation(request, two.trainer(), no_progress);
+  ASSERT_TRUE(first && again);
+  for (std::size_t t = 0; t < one.asked.size(); ++t) {
+    EXPECT_EQ(one.asked[t].recipe, two.asked[t].recipe);
+    EXPECT_EQ(one.asked[t].data_key, two.asked[t].data_key);
+  }
+  for (std::size_t r = 0; r < first->rows.size(); ++r)
+    EXPECT_EQ(first->rows[r].on(TestSet::strangers).pve_mm, again->rows[r].on(TestSet::strangers).pve_mm);
+}
+
+TEST(Ablation, RowsThatDifferInHowTheyAreAskedShareTheirNetworks) {
+  Untrained untrained;
+  AblationRequest request = small({"diffusion", "no_overlap"});
+  request.seeds = 1;
+  const auto study = study_ablation(request, untrained.trainer(), no_progress);
+  ASSERT_TRUE(study) << study.error().message();
+  EXPECT_EQ(untrained.asked.size(), 2U);
+  EXPECT_EQ(study->rows.size(), 3U);
+}
+
+TEST(Ablation, SaysWhatItCannotDo) {
+  Untrained untrained;
+  EXPECT_EQ(study_ablation(small({"six_sensors"}), untrained.trainer(), no_progress).error().code,
+            ErrorCode::not_found);
+  AblationRequest request = small({});
+  request.rig = project_path("rigs/eyewear.toml");
+  EXPECT_EQ(study_ablation(request, untrained.trainer(), no_progress).error().code, ErrorCode::mismatch);
+  EXPECT_TRUE(untrained.asked.empty());
+}
+
+TEST(StandIns, AreLabelledByTheirPhones) {
+  const auto people = stand_in_takes(
+      {.people = 5, .seconds = 25, .rig = project_path("rigs/default.toml"), .seed = 3}, no_progress);
+  ASSERT_TRUE(people) << people.error().message();
+  std::set<std::uint32_t> train, validation;
+  for (const Sequence& s : people->data.train.sequences) train.insert(s.performer);
+  for (const Sequence& s : people->data.validation.sequences) validation.insert(s.performer);
+  EXPECT_EQ(train.size() + validation.size() + people->left_out.size(), 5U);
+  EXPECT_FALSE(train.contains(4));
+  for (const Sequence& s : people->data.train.sequences) {
+    EXPECT_TRUE(s.from_take);
+    EXPECT_FALSE(s.lab);
+    EXPECT_GE(s.frames, 120U);
+    EXPECT_EQ(s.weights.size(), s.frames * face::kShapeCount);
+  }
+}
+
+}  // namespace
+}  // namespace mien::study::ablation_study_test

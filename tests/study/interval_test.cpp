@@ -1,0 +1,77 @@
+#include "mien/study/interval.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mien/core/random.h"
+
+namespace mien::study::interval_test {
+namespace {
+
+TEST(StudentsT, IsAsTablesHaveIt) {
+  // NIST/SEMATECH e-Handbook of Statistical Methods, 1.3.6.7.2.
+  for (const auto& [degrees, quantile] :
+       {std::pair(1.0, 12.706), std::pair(2.0, 4.303), std::pair(5.0, 2.571), std::pair(10.0, 2.228),
+        std::pair(15.0, 2.131), std::pair(30.0, 2.042), std::pair(100.0, 1.984), std::pair(1e9, 1.960)})
+    EXPECT_NEAR(student_95(degrees), quantile, 0.001 * quantile) << degrees;
+  EXPECT_GT(student_95(2), student_95(2.5));
+  EXPECT_GT(student_95(2.5), student_95(3));
+}
+
+TEST(Intervals, OfPeopleAloneAreStudents) {
+  // Mean 3, standard deviation sqrt(2.5), five people: 4 degrees of freedom.
+  const Interval of = mean_interval({{1, 2, 3, 4, 5}});
+  const double half = 2.776 * std::sqrt(2.5 / 5);
+  EXPECT_DOUBLE_EQ(of.mean, 3);
+  EXPECT_NEAR(of.low, 3 - half, 0.01);
+  EXPECT_NEAR(of.high, 3 + half, 0.01);
+}
+
+TEST(Intervals, OfOneFigureIsTheFigure) {
+  const Interval of = mean_interval({{4}});
+  EXPECT_EQ(of.mean, 4);
+  EXPECT_EQ(of.low, 4);
+  EXPECT_EQ(of.high, 4);
+}
+
+TEST(Intervals, SeedsThatDisagreeWidenThem) {
+  const Interval agreed = mean_interval({{1, 2, 3, 4}, {1, 2, 3, 4}, {1, 2, 3, 4}});
+  const Interval torn = mean_interval({{-1, 0, 1, 2}, {1, 2, 3, 4}, {3, 4, 5, 6}});
+  EXPECT_EQ(agreed.mean, torn.mean);
+  EXPECT_GT(torn.high - torn.low, agreed.high - agreed.low);
+}
+
+TEST(Intervals, HoldTheMeanAsOftenAsTheySay) {
+  // Seeds and people vary by as much; 95 of 100 intervals should hold what is true.
+  Random random(5);
+  int held = 0;
+  constexpr int kTrials = 2000;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::vector<double> person(10);
+    for (double& p : person) p = random.normal(0, 1);
+    SeedFigures figures;
+    for (int s = 0; s < 3; ++s) {
+      const double seed = random.normal(0, 0.3);
+      figures.emplace_back();
+      for (const double p : person) figures.back().push_back(7 + seed + p);
+    }
+    const Interval of = mean_interval(figures);
+    if (of.low <= 7 && 7 <= of.high) ++held;
+  }
+  EXPECT_NEAR(static_cast<double>(held) / kTrials, 0.95, 0.02);
+}
+
+TEST(Changes, ArePairedByPersonAndSeed) {
+  // People differ by far more than the methods do: unpaired, nothing could be told.
+  const SeedFigures base = {{1, 10, 5}, {1.1, 10.1, 5.1}};
+  SeedFigures worse = base;
+  for (auto& seed : worse)
+    for (double& figure : seed) figure += 0.5;
+  const Interval change = change_interval(worse, base);
+  EXPECT_NEAR(change.mean, 0.5 / mean_interval(base).mean, 1e-12);
+  EXPECT_NEAR(change.low, change.high, 1e-9);
+}
+
+}  // namespace
+}  // namespace mien::study::interval_test
