@@ -19,10 +19,12 @@
 #include "app/study/study_merged.h"
 #include "app/study/study_motion.h"
 #include "app/study/study_phone.h"
+#include "app/study/study_placement.h"
 #include "app/study/study_resting.h"
 #include "app/study/study_sensors.h"
 #include "app/study/study_settings.h"
 #include "app/study/study_speech.h"
+#include "app/study/study_trackers.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/imu/drift.h"
 #include "mien/study/imu/sensor_bound.h"
@@ -215,10 +217,12 @@ void add_study_command(Commands& commands) {
   add_study_lost(commands, study);
   add_study_merged(commands, study);
   add_study_motion(commands, study);
+  add_study_placement(commands, study);
   add_study_resting(commands, study);
   add_study_sensors(commands, study);
   add_study_settings(commands, study);
   add_study_speech(commands, study);
+  add_study_trackers(commands, study);
   auto bound = std::make_shared<BoundOptions>();
   const Command command = commands.add_under(
       study, "bound", "What a rig can see at best on a face, by theory",

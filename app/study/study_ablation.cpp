@@ -146,7 +146,8 @@ Result<void> run_study_ablation(StudyAblationOptions options) {
   MIEN_TRY(write_file(folder / "ablation.txt", text + study::ablation_legend(study) + "\n"));
   MIEN_TRY(
       write_file(folder / "ablation.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"));
-  MIEN_TRY(study::ablation_report(study, subtitle).write(folder / "ablation.html"));
+  MIEN_TRY_ASSIGN(const measure::Report report, study::ablation_report(study, subtitle));
+  MIEN_TRY(report.write(folder / "ablation.html"));
   if (options.json) {
     print_json(json);
     return {};
@@ -167,7 +168,7 @@ void add_study_ablation(Commands& commands, Command study) {
   study::AblationRequest& request = options->request;
   command.add_option(
       "--rows", request.rows,
-      "Only these rows, by name, and the base: five_sensors, no_frontalis, no_orbicularis, "
+      "Only these rows, by name, and the base: five_sensors, five_upper, no_frontalis, no_orbicularis, "
       "no_zygomaticus, no_buccinator, one_side, third_of_people, tenth_of_people, takes_alone, "
       "takes_too, transformer, diffusion, no_overlap, window_30, window_60, window_240");
   command

@@ -196,7 +196,7 @@ TEST(Killed, AnAblationGoesOnToTheSameFigures) {
                                     "--rig",        folder / "rig.toml",
                                     "--rows",       "third_of_people",
                                     "--seeds",      "1",
-                                    "--steps",      "60",
+                                    "--steps",      "30",
                                     "--performers", "10",
                                     "--people",     "1",
                                     "--no-shipped", "--out",

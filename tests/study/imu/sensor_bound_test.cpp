@@ -97,24 +97,32 @@ TEST(SensorBound, AgreesWithTheTableOnTheIctFace) {
   const face::Face face = face::import_ict(folder).value();
   const sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
   const auto all = virt::skin_sites(face, rig).value();
-  std::vector<virt::SkinSite> sites;
-  for (const std::uint16_t s : rig.face_sensors()) sites.push_back(all[s]);
   const measure::Meter meter(face);
-  // What eleven skin IMUs can see at best. The sites differ slightly from those of the table, which matters
-  // most where the sensors tell least: at 3 degrees the landmarks are 18 % worse.
   struct Row {
     double prior, noise_deg, mse, all_mm, face_mm, lmk_mm, within;
   };
-  for (const Row& row :
-       {Row{0.10, 1.0, 0.0070, 0.53, 0.58, 0.94, 0.15}, Row{0.10, 0.3, 0.0051, 0.42, 0.42, 0.67, 0.15},
-        Row{0.10, 3.0, 0.0087, 0.72, 0.76, 1.21, 0.20}, Row{0.15, 1.0, 0.0140, 0.74, 0.76, 1.21, 0.15}}) {
+  const auto agrees = [&](const std::vector<virt::SkinSite>& sites, const Row& row) {
     SCOPED_TRACE(::testing::Message() << "prior " << row.prior << ", noise " << row.noise_deg << " degrees");
     const SensorBound b = sensor_bound(meter, sites, row.prior, row.noise_deg * kRadPerDeg, Random(5));
-    EXPECT_NEAR(b.mse / row.mse, 1, row.within);
+    EXPECT_NEAR(b.mse / row.mse, 1, 0.05);
     EXPECT_NEAR(b.pve_mm.mean / row.all_mm, 1, row.within);
     EXPECT_NEAR(b.pve_face_mm->mean / row.face_mm, 1, row.within);
     EXPECT_NEAR(b.lmk_mm->mean / row.lmk_mm, 1, row.within);
-  }
+  };
+  // What eleven skin IMUs can see at best. The sites differ slightly from those of the table, which matters
+  // most where the sensors tell least, in millimetres: at 3 degrees the landmarks are 18 % worse.
+  std::vector<virt::SkinSite> eleven;
+  for (const std::uint16_t s : rig.face_sensors()) eleven.push_back(all[s]);
+  for (const Row& row :
+       {Row{0.10, 1.0, 0.0070, 0.53, 0.58, 0.94, 0.15}, Row{0.10, 0.3, 0.0051, 0.42, 0.42, 0.67, 0.15},
+        Row{0.10, 3.0, 0.0087, 0.72, 0.76, 1.21, 0.20}, Row{0.15, 1.0, 0.0140, 0.74, 0.76, 1.21, 0.15}})
+    agrees(eleven, row);
+  // The same of five, whose sites are the table's.
+  std::vector<virt::SkinSite> five;
+  for (const char* name :
+       {"frontalis_R", "frontalis_L", "zygomaticus_upper_R", "zygomaticus_upper_L", "mentalis"})
+    five.push_back(all[rig.find(name).value()]);
+  agrees(five, {0.15, 1.0, 0.0188, 1.38, 1.36, 2.39, 0.05});
 }
 
 }  // namespace

@@ -6,6 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "mien/builtin_face/builtin_face.h"
+#include "mien/study/moments.h"
+
 namespace mien::study {
 namespace {
 
@@ -28,14 +31,17 @@ std::string title_of(TestSet set) {
   return {};
 }
 
-std::string percent(const Interval& change) {
-  return fmt::format("{:+.1f} % ({:+.1f} to {:+.1f})", 100 * change.mean, 100 * change.low,
-                     100 * change.high);
+double half_width(const Interval& of) {
+  return 0.5 * (of.high - of.low);
 }
 
-std::string with_interval(const SeedFigures& figures, int decimals) {
+std::string percent(const Interval& change) {
+  return fmt::format("{:+.1f} ± {:.1f} %", 100 * change.mean, 100 * half_width(change));
+}
+
+std::string with_interval(const SeedFigures& figures) {
   const Interval of = mean_interval(figures);
-  return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", of.mean, decimals, of.low, decimals, of.high, decimals);
+  return fmt::format("{:.3f} ± {:.3f}", of.mean, half_width(of));
 }
 
 const AblationResult* find_row(const AblationStudy& study, std::string_view name) {
@@ -59,6 +65,7 @@ struct PaperChange {
 };
 constexpr std::array kPaperChanges = {
     PaperChange{"five_sensors", 0.078 / 0.075 - 1, 0.129 / 0.126 - 1, 0.0082 / 0.0075 - 1},
+    PaperChange{"five_upper", 0.078 / 0.075 - 1, 0.129 / 0.126 - 1, 0.0082 / 0.0075 - 1},
     PaperChange{"third_of_people", 0.089 / 0.075 - 1, 0.150 / 0.126 - 1, 0.0093 / 0.0075 - 1}};
 
 std::optional<Interval> change_of_figures(const SeedFigures& figures, const SeedFigures& base) {
@@ -77,7 +84,7 @@ measure::BarPlot changes_plot(const AblationStudy& study) {
       const RowErrors& errors = row.on(TestSet::device);
       if (errors.empty()) continue;
       const Interval of = mean_interval(errors.pve_mm);
-      plot.groups.push_back({row.row.title, {of.mean}, {of.high - of.mean}});
+      plot.groups.push_back({row.row.title, {of.mean}, {half_width(of)}});
     }
   return plot;
 }
@@ -121,8 +128,9 @@ measure::Table ablation_table(const AblationStudy& study, TestSet set) {
         table.rows.push_back({group_title(group)});
       }
       const std::optional<Interval> change = change_of(study, row, set);
-      table.rows.push_back({row.row.title, with_interval(errors.pve_mm, 3), change ? percent(*change) : "–",
-                            with_interval(errors.lmk_mm, 3), with_interval(errors.mse, 4),
+      table.rows.push_back({row.row.title, with_interval(errors.pve_mm), change ? percent(*change) : "–",
+                            with_interval(errors.lmk_mm),
+                            fmt::format("{:.4f}", mean_interval(errors.mse).mean),
                             fmt::format("{:.2f}", mean_interval(errors.jitter).mean)});
       if (&row == study.rows.data()) table.strong_rows.push_back(table.rows.size() - 1);
     }
@@ -158,18 +166,17 @@ measure::Table beside_the_paper(const AblationStudy& study) {
 
 std::string ablation_legend(const AblationStudy& study) {
   return fmt::format(
-      "Every network was trained with the same number of steps on as many frames a step; figures are means "
-      "over "
-      "seeds and people, in brackets where they lie with 95 % confidence (Student's t; people and seeds "
-      "vary). "
-      "The change is against the first row, paired by person and seed. Virtual performers: {} people, {:.0f} "
+      "Every network was trained for as many steps, each of as many frames. Figures are means over seeds and "
+      "people, with the half width of their 95 % confidence interval (Student's t; people and seeds vary). "
+      "The "
+      "change is against the first row, paired by person and seed. Virtual performers: {} people, {:.0f} "
       "minutes. Takes: {}. PVE is the mean distance of all vertices between the captured face and the true "
       "one; "
       "MSE is of the 53 weights; jitter is the third difference of the landmarks over the truth's.",
       study.training_people, study.training_minutes, study.takes_are);
 }
 
-measure::Report ablation_report(const AblationStudy& study, const std::string& subtitle) {
+Result<measure::Report> ablation_report(const AblationStudy& study, const std::string& subtitle) {
   measure::Report report("What fewer sensors, less data and other networks cost", subtitle);
   std::vector<measure::KeyFigure> keys;
   const auto key = [&](const char* name, const char* title) {
@@ -198,6 +205,17 @@ measure::Report ablation_report(const AblationStudy& study, const std::string& s
   for (const TestSet set : kShownSets)
     if (const measure::Table table = ablation_table(study, set); !table.rows.empty()) report.table(table);
   report.text(ablation_legend(study));
+  if (!study.moments.captions.empty()) {
+    report.heading("Worst moments");
+    constexpr int kCellPx = 150;
+    MIEN_TRY_ASSIGN(const render::Image strip, moments_strip(builtin_face::make_builtin(), study.moments.rows,
+                                                             study.moments.captions, kCellPx));
+    MIEN_TRY_ASSIGN(const std::vector<std::byte> png, render::encode_png(strip));
+    report.image(png,
+                 fmt::format("Where the networks of \"{}\" were furthest from one test person's face, beside "
+                             "the truth and the base; how far both were off, in mm of PVE.",
+                             study.rows[1].row.title));
+  }
   const std::vector<measure::LinePlot> curves = curve_plots(study);
   if (!curves.empty()) {
     report.heading("Is anything learnt by heart?");

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "mien/core/error.h"
 #include "mien/measure/report.h"
 #include "mien/study/imu/ablation/ablation_study.h"
 
@@ -20,7 +21,8 @@ namespace mien::study {
 /// What the tables' columns mean.
 [[nodiscard]] std::string ablation_legend(const AblationStudy& study);
 
-/// The whole study as people read it.
-[[nodiscard]] measure::Report ablation_report(const AblationStudy& study, const std::string& subtitle);
+/// The whole study as people read it. Errors: moments_strip's.
+[[nodiscard]] Result<measure::Report> ablation_report(const AblationStudy& study,
+                                                      const std::string& subtitle);
 
 }  // namespace mien::study

@@ -12,9 +12,20 @@
 namespace mien::study {
 namespace {
 
-/// The paper's "fewer IMU": eyebrows, jaw, cheeks (CAPUS, Evaluations on Facial Capture).
-constexpr std::array kPapersFive = {"frontalis_R", "frontalis_L", "zygomaticus_lower_R",
-                                    "zygomaticus_lower_L", "mentalis"};
+/// The paper's "fewer IMU": eyebrows, jaw, cheeks (CAPUS, Evaluations on Facial Capture). Which of its two
+/// sites of the cheeks it does not say.
+struct FiveSensors {
+  const char* name;
+  const char* title;
+  std::array<const char*, 5> sensors;
+};
+constexpr std::array kPapersFive = {
+    FiveSensors{"five_sensors",
+                "the paper's five, at the lower cheeks",
+                {"frontalis_R", "frontalis_L", "zygomaticus_lower_R", "zygomaticus_lower_L", "mentalis"}},
+    FiveSensors{"five_upper",
+                "the paper's five, at the upper cheeks",
+                {"frontalis_R", "frontalis_L", "zygomaticus_upper_R", "zygomaticus_upper_L", "mentalis"}}};
 
 /// A region of muscles, as the paper divides the face, and the sites that lie there.
 struct MuscleRegion {
@@ -47,7 +58,7 @@ class RowTable {
   void add_sensors(std::string name, std::string title, const IsKept& is_kept) {
     std::vector<std::string> names = kept(rig_, is_kept);
     if (names.empty() || names.size() == all_.size()) return;
-    title = fmt::format("{}: {} sensors", title, names.size());
+    title = fmt::format("{} ({})", title, names.size());
     rows_.push_back({.name = std::move(name),
                      .group = "sensors",
                      .title = std::move(title),
@@ -73,12 +84,11 @@ std::vector<AblationRow> ablation_rows(const sensor::Rig& rig) {
   table.add({.name = std::string(kAblationBase),
              .group = "sensors",
              .title = fmt::format("all {} sensors, all data, recurrent", table.sensors())});
-  const bool has_five =
-      std::ranges::all_of(kPapersFive, [&](const char* name) { return rig.find(name).has_value(); });
-  if (has_five)
-    table.add_sensors("five_sensors", "the paper's five", [](const sensor::Mount& mount) {
-      return std::ranges::find(kPapersFive, mount.name) != kPapersFive.end();
-    });
+  for (const FiveSensors& five : kPapersFive)
+    if (std::ranges::all_of(five.sensors, [&](const char* name) { return rig.find(name).has_value(); }))
+      table.add_sensors(five.name, five.title, [&](const sensor::Mount& mount) {
+        return std::ranges::find(five.sensors, mount.name) != five.sensors.end();
+      });
   for (const MuscleRegion& region : kMuscleRegions)
     table.add_sensors(region.name, region.title, [&](const sensor::Mount& mount) {
       return std::ranges::find(region.sites, mount.site) == region.sites.end();
@@ -94,20 +104,20 @@ std::vector<AblationRow> ablation_rows(const sensor::Rig& rig) {
              .learns_from = LearnsFrom::takes});
   table.add({.name = "takes_too",
              .group = "data",
-             .title = "virtual performers and people's takes",
+             .title = "performers and people's takes",
              .learns_from = LearnsFrom::both});
 
   table.add({.name = "transformer",
              .group = "networks",
-             .title = "transformer that answers at once",
+             .title = "transformer, answers at once",
              .network = ShortNetwork::transformer});
   table.add({.name = "diffusion",
              .group = "networks",
-             .title = "transformer diffusion, windows overlap by half",
+             .title = "diffusion, overlapping windows",
              .network = ShortNetwork::diffusion});
   table.add({.name = "no_overlap",
              .group = "networks",
-             .title = "transformer diffusion, windows side by side",
+             .title = "diffusion, windows side by side",
              .network = ShortNetwork::diffusion,
              .join = WindowJoin::side_by_side});
 

@@ -10,19 +10,22 @@
 
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/core/files.h"
+#include "mien/core/time.h"
 #include "mien/core/units.h"
 #include "mien/sensor/rig_part.h"
 #include "mien/study/imu/ablation/takes_stand_in.h"
 #include "mien/study/imu/dataset_part.h"
+#include "mien/study/imu/part_rig.h"
 #include "mien/study/imu/sensor_bound.h"
 #include "mien/study/imu/watched_person.h"
+#include "mien/study/part_of_work.h"
 #include "mien/study/takes/training_takes.h"
 
 namespace mien::study {
 namespace {
 
-/// Shares of the whole work, for progress.
-constexpr double kPeopleShare = 0.03, kTrainedShare = 0.9;
+/// Share of the whole work, for progress.
+constexpr double kTrainedShare = 0.9;
 /// Apart from the seeds of those who are trained on.
 constexpr std::uint64_t kTestSeed = 5'000, kStrangerSeed = 6'000;
 /// The bound beside each row: what real weights have about, and consumer fusion's noise.
@@ -33,19 +36,15 @@ constexpr std::size_t kSeenPeople = 8, kFewestShare = 10;
 
 constexpr const char* kShippedGroup = "shipped";
 
-/// A part of the whole work, which reports itself as from 0 to 1.
-Progress part_of_work(const Progress& whole, double from, double to) {
-  return [&whole, from, to](double part, std::string_view what) {
-    return whole(from + part * (to - from), what);
-  };
-}
-
-/// Whom the networks are tried on, as all sensors saw them.
+/// Whom the networks of one set of sensors are tried on.
 struct Tested {
+  std::vector<std::string> sensors;  ///< Names of the features' entries.
   std::array<std::vector<ImuPerson>, kTestSetCount> sets;
 };
 
-Result<Tested> make_tests(const AblationRequest& request, const sensor::Rig& rig, const Progress& progress) {
+/// `seen`: how many of those who are trained on are looked at.
+Result<Tested> make_tests(const AblationRequest& request, const sensor::Rig& rig, std::size_t seen_people,
+                          const Progress& progress) {
   Tested out;
   const auto set = [&](TestSet which) -> std::vector<ImuPerson>& {
     return out.sets[static_cast<std::size_t>(which)];
@@ -67,7 +66,7 @@ Result<Tested> make_tests(const AblationRequest& request, const sensor::Rig& rig
   // The first of those who are trained on, enough of them for each row: whoever performs is the same, however
   // many do.
   DataRecipe seen = request.data;
-  seen.performers = std::min(seen.performers, static_cast<int>(kFewestShare * kSeenPeople));
+  seen.performers = std::min(seen.performers, static_cast<int>(seen_people));
   seen.validation_performers = 0;
   seen.device_seconds = 0;
   MIEN_TRY_ASSIGN(const TrainingData learnt,
@@ -91,6 +90,7 @@ class AblationData {
   [[nodiscard]] std::string key(const AblationRow& row, std::size_t seed) const {
     std::string out =
         fmt::format("{}\n{}\n{}\n", data_table(request_.data), rig_text_, fmt::join(row.sensors, " "));
+    if (row.sensors != rig_.face_sensor_names()) out += "worn alone\n";
     if (row.one_in > 1) out += fmt::format("one in {}, {}\n", row.one_in, seed);
     if (row.learns_from != LearnsFrom::performers)
       out += fmt::format("{} {}\n", row.learns_from == LearnsFrom::takes ? "takes" : "both", takes_key());
@@ -103,16 +103,13 @@ class AblationData {
       MIEN_TRY_ASSIGN(const TrainingData* taken, takes(progress));
       out = *taken;
     } else {
-      MIEN_TRY_ASSIGN(const TrainingData* all, performers(progress));
+      MIEN_TRY_ASSIGN(const TrainingData* all, performers(row.sensors, progress));
       out = {one_in_people(all->train, row.one_in, seed), all->validation};
     }
     if (row.learns_from == LearnsFrom::both) {
       MIEN_TRY_ASSIGN(const TrainingData* taken, takes(progress));
       MIEN_TRY_ASSIGN(out, put_together(std::move(out), *taken));
     }
-    if (row.sensors == rig_.face_sensor_names()) return out;
-    MIEN_TRY_ASSIGN(out.train, with_sensors(out.train, row.sensors));
-    MIEN_TRY_ASSIGN(out.validation, with_sensors(out.validation, row.sensors));
     return out;
   }
 
@@ -141,11 +138,15 @@ class AblationData {
     return out;
   }
 
-  Result<const TrainingData*> performers(const Progress& progress) {
-    if (!performers_) {
-      MIEN_TRY_ASSIGN(performers_, make_dataset(request_.data, "builtin", rig_, progress));
+  /// Kept of all sensors, which most rows have, and of the last others.
+  Result<const TrainingData*> performers(const std::vector<std::string>& sensors, const Progress& progress) {
+    const bool all = sensors == rig_.face_sensor_names();
+    std::optional<TrainingData>& kept = all ? performers_ : fewer_;
+    if (!kept || kept->train.sensors != sensors) {
+      MIEN_TRY_ASSIGN(const sensor::Rig rig, rig_with_sensors(rig_, sensors));
+      MIEN_TRY_ASSIGN(kept, make_dataset(request_.data, "builtin", rig, progress));
     }
-    return &*performers_;
+    return &*kept;
   }
 
   Result<const TrainingData*> takes(const Progress& progress) {
@@ -172,18 +173,8 @@ class AblationData {
   const AblationRequest& request_;
   const sensor::Rig& rig_;
   std::string rig_text_;
-  std::optional<TrainingData> performers_, takes_;
+  std::optional<TrainingData> performers_, fewer_, takes_;
 };
-
-/// The rig with the head's sensor and these of the face.
-std::string rig_of_sensors(const sensor::Rig& rig, const std::vector<std::string>& names) {
-  sensor::Rig part = rig;
-  std::erase_if(part.sensors, [&](const sensor::Mount& mount) {
-    return mount.role == "face" && std::ranges::find(names, mount.name) == names.end();
-  });
-  part.skin.reset();  // The networks' input is made already.
-  return sensor::write_rig(part);
-}
 
 /// Of those who are trained on, the first whom a row's training of this seed learnt from.
 std::vector<ImuPerson> learnt_by(const AblationRow& row, std::size_t seed,
@@ -224,26 +215,30 @@ class AblationWork {
         meter_(face_) {}
 
   Result<AblationStudy> run(std::vector<AblationRow> rows, const TrainShort& train) {
-    MIEN_TRY_ASSIGN(tested_, make_tests(request_, rig_, part_of_work(progress_, 0, kPeopleShare)));
     MIEN_TRY_ASSIGN(const std::vector<ShortTrained> trained, train_rows(rows, train));
     AblationStudy out;
     for (std::size_t r = 0; r < rows.size(); ++r) {
-      if (!progress_(kTrainedShare + (1 - kTrainedShare) * static_cast<double>(r) /
-                                         static_cast<double>(rows.size() + request_.shipped.size()),
-                     rows[r].title))
-        return fail(ErrorCode::cancelled, "stopped", "study ablation");
       std::vector<const model::ModelFile*> models;
       for (std::size_t s = 0; s < request_.seeds; ++s) models.push_back(&trained[first_of_[r] + s].model);
-      MIEN_TRY_ASSIGN(AblationResult result, tried(std::move(rows[r]), models));
+      const double all = static_cast<double>(rows.size() + request_.shipped.size());
+      const auto done = [&](double row) { return kTrainedShare + (1 - kTrainedShare) * row / all; };
+      const auto row = static_cast<double>(r);
+      MIEN_TRY_ASSIGN(AblationResult result,
+                      tried(std::move(rows[r]), models, part_of_work(progress_, done(row), done(row + 1))));
       result.curve = curve_of(trained[first_of_[r]].curve);
       out.rows.push_back(std::move(result));
+    }
+    if (out.rows.size() > 1) {
+      MIEN_TRY_ASSIGN(out.moments,
+                      moments(trained[first_of_[0]].model, trained[first_of_[1]].model, out.rows[1].row));
     }
     for (const ShippedModel& shipped : request_.shipped) {
       AblationRow row{.name = shipped.name,
                       .group = kShippedGroup,
                       .title = shipped.name,
                       .sensors = shipped.file.features.sensors};
-      MIEN_TRY_ASSIGN(out.shipped.emplace_back(), tried(std::move(row), {&shipped.file}));
+      MIEN_TRY_ASSIGN(out.shipped.emplace_back(),
+                      tried(std::move(row), {&shipped.file}, part_of_work(progress_, 0.99, 1)));
     }
     out.takes_are = data_.takes_are();
     out.training_people = static_cast<std::size_t>(request_.data.performers);
@@ -269,44 +264,68 @@ class AblationWork {
       while (!trained_alike(rows[alike], rows[r])) ++alike;
       first_of_.push_back(alike < r ? first_of_[alike] : trainings.size());
       if (alike < r) continue;
-      for (std::size_t s = 0; s < request_.seeds; ++s) trainings.push_back(training_of(rows[r], s));
+      for (std::size_t s = 0; s < request_.seeds; ++s) {
+        MIEN_TRY_ASSIGN(trainings.emplace_back(), training_of(rows[r], s));
+      }
     }
-    return train(trainings, part_of_work(progress_, kPeopleShare, kTrainedShare));
+    return train(trainings, part_of_work(progress_, 0, kTrainedShare));
   }
 
-  ShortTraining training_of(const AblationRow& row, std::size_t seed) {
-    return {.name = fmt::format("{}-{}", row.name, seed + 1),
-            .recipe = short_recipe({.seed = request_.seed * 100 + seed,
-                                    .steps = request_.steps,
-                                    .network = row.network,
-                                    .window = row.window},
-                                   request_.data),
-            .rig = rig_of_sensors(rig_, row.sensors),
-            .data_key = data_.key(row, seed),
-            .data = [this, row, seed](const Progress& progress) { return data_.of(row, seed, progress); }};
+  Result<ShortTraining> training_of(const AblationRow& row, std::size_t seed) {
+    MIEN_TRY_ASSIGN(sensor::Rig rig, rig_with_sensors(rig_, row.sensors));
+    rig.skin.reset();  // What the networks read is made already.
+    const std::string rig_text = sensor::write_rig(rig);
+    return ShortTraining{
+        .name = fmt::format("{}-{}", row.name, seed + 1),
+        .recipe = short_recipe({.seed = request_.seed * 100 + seed,
+                                .steps = request_.steps,
+                                .network = row.network,
+                                .window = row.window},
+                               request_.data),
+        .rig = rig_text,
+        .data_key = data_.key(row, seed),
+        .data = [this, row, seed](const Progress& progress) { return data_.of(row, seed, progress); }};
   }
 
-  Result<AblationResult> tried(AblationRow row, const std::vector<const model::ModelFile*>& models) const {
+  /// People as these sensors saw them: kept of all sensors, which most rows have, and of the last others.
+  Result<const Tested*> tests_of(const std::vector<std::string>& sensors, const Progress& progress) {
+    const bool all = sensors == rig_.face_sensor_names();
+    std::optional<Tested>& kept = all ? tested_ : fewer_;
+    if (!kept || kept->sensors != sensors) {
+      MIEN_TRY_ASSIGN(const sensor::Rig rig, rig_with_sensors(rig_, sensors));
+      const std::size_t seen = all ? kFewestShare * kSeenPeople : kSeenPeople;
+      MIEN_TRY_ASSIGN(kept, make_tests(request_, rig, seen, progress));
+      kept->sensors = sensors;
+    }
+    return &*kept;
+  }
+
+  Result<AblationResult> tried(AblationRow row, const std::vector<const model::ModelFile*>& models,
+                               const Progress& progress) {
     AblationResult out;
+    const bool shipped = row.group == kShippedGroup;
+    MIEN_TRY_ASSIGN(const Tested* tested,
+                    tests_of(shipped ? rig_.face_sensor_names() : row.sensors, progress));
+    if (!progress(1, row.title)) return fail(ErrorCode::cancelled, "stopped", "study ablation");
     for (std::size_t set = 0; set < kTestSetCount; ++set)
       for (std::size_t seed = 0; seed < models.size(); ++seed)
-        MIEN_TRY(try_on(set, row, seed, *models[seed], out));
+        MIEN_TRY(try_on(*tested, set, row, seed, *models[seed], out));
     out.parameters = model::parameter_count(models.front()->architecture);
     MIEN_TRY(bound(row, out));
     out.row = std::move(row);
     return out;
   }
 
-  Result<void> try_on(std::size_t set, const AblationRow& row, std::size_t seed,
+  Result<void> try_on(const Tested& tested, std::size_t set, const AblationRow& row, std::size_t seed,
                       const model::ModelFile& model, AblationResult& out) const {
     const bool seen = static_cast<TestSet>(set) == TestSet::seen;
     if (seen && (row.group == kShippedGroup || row.learns_from == LearnsFrom::takes)) return {};
     const std::vector<ImuPerson> learnt =
-        seen ? learnt_by(row, seed, tested_.sets[set]) : std::vector<ImuPerson>();
-    const std::vector<ImuPerson>& people = seen ? learnt : tested_.sets[set];
+        seen ? learnt_by(row, seed, tested.sets[set]) : std::vector<ImuPerson>();
+    const std::vector<ImuPerson>& people = seen ? learnt : tested.sets[set];
     if (people.empty()) return {};
     MIEN_TRY_ASSIGN(const std::vector<PersonErrors> errors,
-                    errors_of_people(model, rig_.face_sensor_names(), people, meter_, row.join));
+                    errors_of_people(model, tested.sensors, people, meter_, row.join));
     RowErrors& to = out.errors[set];
     for (SeedFigures* figures : {&to.pve_mm, &to.lmk_mm, &to.mse, &to.jitter}) figures->emplace_back();
     for (const PersonErrors& person : errors) {
@@ -316,6 +335,35 @@ class AblationWork {
       to.jitter.back().push_back(person.jitter);
     }
     return {};
+  }
+
+  Result<AblationMoments> moments(const model::ModelFile& base, const model::ModelFile& other,
+                                  const AblationRow& row) {
+    MIEN_TRY_ASSIGN(const Tested* all, tests_of(rig_.face_sensor_names(), no_progress));
+    MIEN_TRY_ASSIGN(const Tested* few, tests_of(row.sensors, no_progress));
+    const auto device = static_cast<std::size_t>(TestSet::device);
+    const ImuPerson &person = all->sets[device].front(), &same = few->sets[device].front();
+    MIEN_TRY_ASSIGN(const std::vector<face::BlendshapeWeights> of_base,
+                    answers_of(base, all->sensors, person.features));
+    MIEN_TRY_ASSIGN(const std::vector<face::BlendshapeWeights> of_other,
+                    answers_of(other, few->sensors, same.features));
+    // The same performance, but sensors that are worn otherwise may begin a frame apart.
+    const std::size_t frames = std::min(of_base.size(), of_other.size());
+    const auto curve = [&](const ImuPerson& who, std::span<const face::BlendshapeWeights> answer) {
+      const measure::Stretch stretch{std::span(who.truth).first(frames), answer.first(frames)};
+      return meter_.measure({&stretch, 1}).pve_mm_curve;
+    };
+    const std::vector<float> base_mm = curve(person, of_base), other_mm = curve(same, of_other);
+    AblationMoments out{{{"truth", {}}, {"base", {}}, {row.title, {}}}, {}};
+    constexpr std::size_t kMoments = 5, kApart = 90;  // Frames.
+    for (const std::size_t f : worst_moments(other_mm, kMoments, kApart)) {
+      out.rows[0].weights.emplace_back(same.truth[f]);
+      out.rows[1].weights.emplace_back(of_base[f]);
+      out.rows[2].weights.emplace_back(of_other[f]);
+      out.captions.push_back(fmt::format("{:.1f} s: {:.1f}, {:.1f} mm", static_cast<double>(f) / kFrameRateHz,
+                                         base_mm[f], other_mm[f]));
+    }
+    return out;
   }
 
   Result<void> bound(const AblationRow& row, AblationResult& out) const {
@@ -336,7 +384,7 @@ class AblationWork {
   const Progress& progress_;
   face::Face face_;
   measure::Meter meter_;
-  Tested tested_;
+  std::optional<Tested> tested_, fewer_;
   std::vector<std::size_t> first_of_;  ///< Of each row, its first seed's training.
 };
 

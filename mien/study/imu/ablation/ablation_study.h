@@ -17,6 +17,7 @@
 #include "mien/study/imu/ablation/ablation_rows.h"
 #include "mien/study/imu/short_training.h"
 #include "mien/study/interval.h"
+#include "mien/study/moments.h"
 
 namespace mien::study {
 
@@ -88,9 +89,17 @@ struct AblationResult {
   [[nodiscard]] const RowErrors& on(TestSet set) const { return errors[static_cast<std::size_t>(set)]; }
 };
 
+/// Where one row was furthest from the truth, beside what the base answered then: of the first person of the
+/// test set `device`, by the networks of the first seed.
+struct AblationMoments {
+  std::vector<MomentRow> rows;        ///< Truth, base, the row.
+  std::vector<std::string> captions;  ///< When it was, and how far both were off.
+};
+
 struct AblationStudy {
   std::vector<AblationResult> rows;     ///< The base first.
   std::vector<AblationResult> shipped;  ///< Models that were trained before.
+  AblationMoments moments;              ///< Of the first row after the base; empty where it is alone.
   /// What the rows of takes learnt from, for people: stand-ins or whose.
   std::string takes_are;
   std::size_t training_people = 0;  ///< Virtual performers of the base.

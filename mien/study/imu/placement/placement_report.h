@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+
+#include "mien/core/error.h"
+#include "mien/measure/report.h"
+#include "mien/study/imu/placement/placement_study.h"
+
+namespace mien::study {
+
+/// Sets of each size by the linear bound, and the paper's beside them.
+[[nodiscard]] measure::Table placement_sets_table(const PlacementStudy& study);
+
+/// The chosen sensors in their order: where, what each tells alone, and what misplacing it costs.
+[[nodiscard]] measure::Table placement_sites_table(const PlacementStudy& study);
+
+/// What misplacing each sensor of the paper's rig costs.
+[[nodiscard]] measure::Table placement_paper_misplaced_table(const PlacementStudy& study);
+
+/// The candidates that are not of the grid: each alone.
+[[nodiscard]] measure::Table placement_candidates_table(const PlacementStudy& study);
+
+/// The paper's Table 2 beside what the same sites feel here.
+[[nodiscard]] measure::Table placement_paper_table(const PlacementStudy& study);
+
+/// Where both tables agree and where not.
+[[nodiscard]] std::string placement_paper_words(const PlacementStudy& study);
+
+/// What networks of each set are off; without rows where none was trained.
+[[nodiscard]] measure::Table placement_trained_table(const PlacementStudy& study);
+
+/// How to read all of it.
+[[nodiscard]] std::string placement_legend(const PlacementRequest& request);
+
+/// All tables and sentences for a terminal or a file.
+[[nodiscard]] std::string placement_text(const PlacementStudy& study, const PlacementRequest& request);
+
+/// The whole study on one page. Errors: those of the pictures' encoder.
+[[nodiscard]] Result<measure::Report> placement_report(const PlacementStudy& study,
+                                                       const PlacementRequest& request,
+                                                       const std::string& subtitle);
+
+}  // namespace mien::study

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/face/face.h"
+#include "mien/measure/metrics.h"
+#include "mien/sensor/rig.h"
+#include "mien/study/imu/placement/misplacement.h"
+#include "mien/study/imu/placement/paper_sites.h"
+#include "mien/study/imu/placement/placement_bound.h"
+#include "mien/study/imu/placement/placement_picture.h"
+#include "mien/study/imu/placement/placement_training.h"
+#include "mien/study/imu/sensor_bound.h"
+#include "mien/study/imu/skin_motion.h"
+
+namespace mien::study {
+
+struct PlacementRequest {
+  std::uint64_t seed = 1;
+  std::size_t sensors = 11;  ///< Of the set that is written, drawn and tried, 1 to 16.
+  double spacing_m = 0.008;  ///< Of the dense grid.
+  PlacementObjective objective = PlacementObjective::vertex;
+  PlacementSettings settings;  ///< `most` is at least `sensors`.
+  MisplacementRequest misplacement;
+  PaperSitesRequest paper_sites;
+  PlacementTrainingRequest training;
+  SkinMotionRequest skin;  ///< Of the rigs that are trained on.
+  int picture_px = 640;
+};
+
+/// The rigs that a study is about.
+struct PlacementRigs {
+  sensor::Rig paper_candidates;    ///< rigs/candidates.toml.
+  sensor::Rig paper;               ///< rigs/default.toml: the eleven that the paper uses.
+  std::optional<sensor::Rig> own;  ///< One's own candidates: chosen from instead of the paper's and the grid.
+};
+
+/// The five of the paper's ablation "Fewer IMU", of the default rig: brows, cheeks, jaw.
+inline constexpr std::array<std::string_view, 5> kPaperFive = {
+    "frontalis_R", "frontalis_L", "zygomaticus_lower_R", "zygomaticus_lower_L", "mentalis"};
+
+/// One set by the linear bound.
+struct PlacementRow {
+  std::string title;
+  std::vector<std::string> sensors;
+  double rms_vertex_mm = 0;  ///< Root of the expected squared displacement of the skin's vertices.
+  SensorBound bound;
+  std::array<double, kShapeGroups.size()>
+      groups_left{};  ///< Posterior over prior, RMS over the group's shapes.
+};
+
+struct PlacementStudy {
+  std::vector<SensorCandidate> candidates;  ///< What is chosen from comes first, then the rest of the grid.
+  std::size_t choices = 0;                  ///< How many are chosen from.
+  std::size_t grid_begin = 0;               ///< Where the grid begins: to the end.
+  PlacementBound bound;                     ///< Of the choices, by the objective.
+  std::vector<double> alone;                ///< Share told, of all candidates.
+  std::vector<ShapesLeft> alone_left;       ///< Of all candidates.
+  std::vector<PlacementRow> sets;           ///< Of each size.
+  PlacementRow paper, paper_five;
+  std::vector<std::size_t> chosen;                           ///< The set of the asked size.
+  std::vector<SiteMisplacement> misplaced, misplaced_paper;  ///< Of the chosen set and of the paper's.
+  PaperSitesStudy paper_sites;
+  double left_right = 0;  ///< Mean difference of a pair's shares told, as a share of the largest of all.
+  std::vector<TrainedPlacement> trained;  ///< Empty without trainings.
+  std::vector<PlacementContest> contests;
+  PlacementPictures pictures;
+
+  [[nodiscard]] std::vector<SensorCandidate> chosen_candidates() const;
+};
+
+/// The whole study: bound and pictures on `face`, what the paper's sites feel and trainings on virtual people
+/// of the built-in family. `train` null: no trainings. Sets of eleven and of five are trained where the
+/// candidates give them. Errors: candidates_of()'s, those of the sites, bad_usage (fewer candidates than
+/// sensors), `train`'s; cancelled. The same for any number of threads.
+[[nodiscard]] Result<PlacementStudy> study_placement(const PlacementRequest& request, const face::Face& face,
+                                                     const PlacementRigs& rigs, const TrainShort* train,
+                                                     const Progress& progress);
+
+/// The shapes that a sensor tells most of, largest share of the variance first: at most `most`, at least a
+/// tenth each. "jawOpen 62 %, ...".
+[[nodiscard]] std::string top_shapes(const ShapesLeft& left, std::size_t most = 5);
+
+}  // namespace mien::study

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "mien/measure/report.h"
+#include "mien/render/image.h"
+#include "mien/study/trackers/modelled_tracker.h"
+#include "mien/study/trackers/tracker_figures.h"
+
+namespace mien::study {
+
+/// A row's worst moment as pictures side by side.
+struct TrackerPicture {
+  std::string row;  ///< The row's key.
+  std::optional<render::Image> strip;
+  std::string caption;
+};
+
+/// Each condition a strong row, then its trackers: errors as told, without lag and held, each as mean and 95
+/// % interval over performers.
+[[nodiscard]] measure::Table trackers_table(const TrackersStudy& study);
+/// How late each tracker is, and how sure that is.
+[[nodiscard]] measure::Table lag_table(const TrackersStudy& study);
+/// Where the numbers of the modelled trackers come from.
+[[nodiscard]] measure::Table sources_table(const ModelledTracker& tracker);
+
+/// How to read the tables.
+[[nodiscard]] std::string trackers_legend(const TrackersStudy& study);
+/// "Modelled, not measured": what stands on every page of modelled trackers.
+[[nodiscard]] std::string modelled_notice();
+
+/// The whole on one page: key figures, errors and gaps by condition, the curves around the worst moment of
+/// each row, lags, pictures where there are any, and of modelled trackers where each number comes from.
+/// Errors: those of render::encode_png.
+[[nodiscard]] Result<measure::Report> trackers_report(const TrackersStudy& study, const std::string& subtitle,
+                                                      std::span<const TrackerPicture> pictures = {});
+
+}  // namespace mien::study

@@ -1,0 +1,110 @@
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "mien/face/livelink_csv.h"
+#include "tests/app/program.h"
+#include "tests/performer/talking.h"
+
+namespace mien::app::test::study_trackers_test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string livelink(const face::Motion& motion) {
+  return face::format_livelink_csv(face::livelink_from_motion(motion));
+}
+
+/// Six seconds of a truth, and of who told it late, at half its rate and with a gap.
+struct StudyTrackers : public ::testing::Test {
+  StudyTrackers() {
+    const face::Motion truth = performer::test::talking(360);
+    write(folder / "truth.csv", livelink(truth));
+    face::Motion late = truth;
+    late.frames.clear();
+    for (int f = 0; f < 180; ++f) {
+      face::MotionFrame& frame = late.frames.emplace_back();
+      frame = truth.frames[static_cast<std::size_t>(std::max(0, 2 * f - 6))];
+      frame.time_s = f / 30.0;
+      frame.has_face = f < 90 || f >= 105;
+    }
+    write(folder / "late.csv", livelink(late));
+    std::string scores = "timestamp_ms,jawOpen\n";
+    for (int f = 0; f < 360; ++f)
+      scores += std::to_string(f * 1000 / 60.0) + "," +
+                std::to_string(truth.frames[static_cast<std::size_t>(f)].weights[face::shape("jawOpen")]) +
+                "\n";
+    write(folder / "scores.csv", scores);
+    write(folder / "unknown.csv", "time_s,jawOpn\n0,1\n");
+    write(folder / "garbage.txt", "this is no recording\n");
+  }
+  [[nodiscard]] std::vector<std::string> with(const std::vector<std::string>& curves,
+                                              const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words = {"study", "trackers", "--truth", folder / "truth.csv", "--curves"};
+    words.insert(words.end(), curves.begin(), curves.end());
+    words.insert(words.end(), {"--out", folder / "out"});
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  Folder folder;
+};
+
+TEST_F(StudyTrackers, ComparesRecordingsOnOneTimeLine) {
+  const Outcome done = run(with({"late=" + folder / "late.csv", "jaw=" + folder / "scores.csv"}, {"--json"}));
+  ASSERT_EQ(done.status, 0) << done.err;
+  const auto json = nlohmann::json::parse(done.out);
+  EXPECT_EQ(json, nlohmann::json::parse(content(folder / "out/trackers.json")));
+  EXPECT_EQ(json.at("modelled"), false);
+  ASSERT_EQ(json.at("rows").size(), 1U);
+  const auto& trackers = json.at("rows")[0].at("trackers");
+  ASSERT_EQ(trackers.size(), 2U);
+  EXPECT_NEAR(trackers[0].at("lag_ms").at("mean"), 100, 8);
+  EXPECT_NEAR(trackers[0].at("gap_share").at("mean"), 15.0 / 180, 0.02);
+  EXPECT_LT(trackers[0].at("pve_without_lag_mm").at("mean"), trackers[0].at("pve_seen_mm").at("mean"));
+  EXPECT_EQ(trackers[1].at("told_shapes"), 1);
+  EXPECT_LT(trackers[1].at("mse_held").at("mean"), 1e-4);
+  EXPECT_GT(trackers[1].at("pve_whole_mm").at("mean"), trackers[1].at("pve_held_mm").at("mean"));
+  EXPECT_EQ(std::filesystem::status(folder / "out").permissions(), std::filesystem::perms::owner_all);
+  EXPECT_THAT(content(folder / "out/trackers.txt"), HasSubstr("truth.csv"));
+  EXPECT_THAT(content(folder / "out/trackers.html"), HasSubstr("Worst moments"));
+}
+
+TEST_F(StudyTrackers, MovesRecordings) {
+  const std::string late = "late=" + folder / "late.csv";
+  const Outcome moved = run(with({late}, {"--offset", "late=-0.1", "--json"}));
+  ASSERT_EQ(moved.status, 0) << moved.err;
+  const auto json = nlohmann::json::parse(moved.out);
+  EXPECT_NEAR(json.at("rows")[0].at("trackers")[0].at("lag_ms").at("mean"), 0, 8);
+
+  const Outcome apart = run(with({late}, {"--offset", "late=1000"}));
+  EXPECT_EQ(apart.status, 2);
+  EXPECT_THAT(apart.err, HasSubstr("late is from 1000.000 to 1005.967 s"));
+  EXPECT_THAT(apart.err, HasSubstr("the truth is from 0.000 to 5.983 s"));
+}
+
+TEST_F(StudyTrackers, SaysInALineWhatCannotBeCompared) {
+  const auto refused = [](const std::vector<std::string>& words, const char* says) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.status, 2) << joined(words);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_THAT(outcome.err, StartsWith("mien: "));
+    EXPECT_THAT(outcome.err, HasSubstr(says));
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  };
+  const std::string late = "late=" + folder / "late.csv";
+  refused(with({"x=" + folder / "unknown.csv"}), "did you mean jawOpen?");
+  refused(with({"x=" + folder / "garbage.txt"}), "no recording of a tracker");
+  refused(with({"x=" + folder / "none.csv"}), "no such file");
+  refused(with({folder / "late.csv"}), "NAME=FILE");
+  refused(with({late, late}), "two trackers have one name");
+  refused(with({late}, {"--offset", "lat=1"}), "did you mean late?");
+  refused(with({late}, {"--offset", "late=soon"}), "NAME=SECONDS");
+  refused(with({late}, {"--rows", "eating"}), "--rows");
+  refused({"study", "trackers", "--rows", "eatin", "--out", folder / "out"}, "did you mean eating?");
+  refused({"study", "trackers", "--curves", late, "--out", folder / "out"}, "--truth");
+  refused({"study", "trackers"}, "--out is missing");
+}
+
+}  // namespace
+}  // namespace mien::app::test::study_trackers_test

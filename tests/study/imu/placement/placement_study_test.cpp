@@ -1,0 +1,106 @@
+#include "mien/study/imu/placement/placement_study.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "mien/builtin_face/builtin_face.h"
+#include "mien/study/imu/placement/placement_report.h"
+#include "tests/project_path.h"
+
+namespace mien::study::placement_study_test {
+namespace {
+
+using testing::HasSubstr;
+
+PlacementRigs rigs() {
+  return {.paper_candidates = sensor::read_rig(project_path("rigs/candidates.toml")).value(),
+          .paper = sensor::read_rig(project_path("rigs/default.toml")).value(),
+          .own = {}};
+}
+
+PlacementRequest small_request() {
+  PlacementRequest request;
+  request.sensors = 5;
+  request.spacing_m = 0.025;
+  request.settings.most = 5;
+  request.misplacement.directions = 2;
+  request.paper_sites.performers = 1;
+  request.picture_px = 96;
+  return request;
+}
+
+TEST(StudyPlacement, TellsAllOfItWithoutTraining) {
+  const PlacementRequest request = small_request();
+  const auto study = study_placement(request, builtin_face::default_builtin(), rigs(), nullptr, no_progress);
+  ASSERT_TRUE(study) << study.error().message();
+  EXPECT_EQ(study->chosen.size(), 5U);
+  EXPECT_EQ(study->choices, study->candidates.size());
+  EXPECT_EQ(study->alone.size(), study->candidates.size());
+  ASSERT_EQ(study->sets.size(), 5U);
+  EXPECT_LT(study->sets[4].rms_vertex_mm, study->sets[0].rms_vertex_mm);
+  EXPECT_LT(study->paper.rms_vertex_mm, study->paper_five.rms_vertex_mm);
+  EXPECT_LT(study->left_right, 0.05);
+  EXPECT_TRUE(study->trained.empty());
+  EXPECT_EQ(study->pictures.together().width, 2 * request.picture_px);
+
+  const std::string text = placement_text(*study, request);
+  EXPECT_THAT(text, HasSubstr("greedy 5"));
+  EXPECT_THAT(text, HasSubstr("frontalis 1 *"));
+  EXPECT_THAT(text, HasSubstr("Rank correlation"));
+  const auto report = placement_report(*study, request, "a test");
+  ASSERT_TRUE(report);
+  EXPECT_THAT(report->html(), HasSubstr("Where to glue sensors"));
+}
+
+TEST(StudyPlacement, ChoosesAmongOnesOwn) {
+  PlacementRigs with_own = rigs();
+  with_own.own = with_own.paper;  // The default rig's eleven as candidates.
+  const auto study =
+      study_placement(small_request(), builtin_face::default_builtin(), with_own, nullptr, no_progress);
+  ASSERT_TRUE(study) << study.error().message();
+  EXPECT_EQ(study->choices, 11U);
+  for (const std::size_t i : study->chosen) EXPECT_LT(i, 11U);
+
+  PlacementRequest many = small_request();
+  many.sensors = 12;
+  const auto too_many =
+      study_placement(many, builtin_face::default_builtin(), with_own, nullptr, no_progress);
+  ASSERT_FALSE(too_many);
+  EXPECT_EQ(too_many.error().code, ErrorCode::bad_usage);
+}
+
+TEST(StudyPlacement, StopsWhenTold) {
+  const auto stopped = study_placement(small_request(), builtin_face::default_builtin(), rigs(), nullptr,
+                                       [](double, std::string_view) { return false; });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+}
+
+TEST(Contest, NamesTheBetterOne) {
+  const TrainedPlacement paper{.name = "paper-five",
+                               .title = "the paper's five",
+                               .sensors = 5,
+                               .device_pve_mm = {{1.0, 1.2, 1.1}, {1.0, 1.2, 1.1}},
+                               .device_mse = {{0.01, 0.012, 0.011}, {0.01, 0.012, 0.011}},
+                               .lab_pve_mm = {{0.9, 1.1, 1.0}, {0.9, 1.1, 1.0}},
+                               .lab_mse = {{0.01, 0.012, 0.011}, {0.01, 0.012, 0.011}}};
+  TrainedPlacement ours = paper;
+  ours.title = "greedy five";
+  for (auto& seed : ours.device_pve_mm)
+    for (double& pve_mm : seed) pve_mm *= 0.8;
+  EXPECT_THAT(contest(ours, paper).verdict(), testing::StartsWith("greedy five is better than the paper's"));
+  EXPECT_THAT(contest(paper, ours).verdict(), testing::StartsWith("greedy five is better"));
+  EXPECT_THAT(contest(paper, paper).verdict(), testing::StartsWith("Neither"));
+}
+
+TEST(TopShapes, AreThoseThatAreTold) {
+  ShapesLeft left;
+  left.fill(1);
+  EXPECT_EQ(top_shapes(left), "little of anything");
+  left[face::shape("jawOpen")] = 0.5;
+  left[face::shape("mouthClose")] = 0.9;
+  EXPECT_EQ(top_shapes(left), "jawOpen 75 %, mouthClose 19 %");
+}
+
+}  // namespace
+}  // namespace mien::study::placement_study_test
