@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "mien/core/median.h"
-#include "mien/core/quantile.h"
-#include "mien/core/random.h"
+#include "mien/study/interval.h"
 
 namespace mien::study {
 namespace {
@@ -15,7 +14,6 @@ constexpr std::array<std::string_view, kTrackerMeasureCount> kTrackerMeasureName
     "pve_seen_mm",       "pve_without_lag_mm", "pve_held_mm",     "pve_whole_mm", "pve_face_held_mm",
     "landmarks_held_mm", "mse_seen",           "mse_without_lag", "mse_held",     "mse_common",
     "mse_whole",         "gap_share",          "lag_ms",          "lag_sigma_ms"};
-constexpr std::size_t kResamples = 2000;
 /// Seconds over which the worst moment is sought, and that are kept each way.
 constexpr double kMoment_s = 1, kMomentEachWay_s = 2.5;
 
@@ -69,18 +67,9 @@ TrackerFigures figures_of(const CurveScore& score) {
 
 std::optional<TrackerMean> mean_over_performers(const std::vector<double>& values) {
   if (values.empty()) return std::nullopt;
-  TrackerMean out{.mean = 0, .performers = values.size(), .interval = {}};
-  for (const double value : values) out.mean += value / static_cast<double>(values.size());
-  if (values.size() < 2) return out;
-  Random random = Random(0).fork("bootstrap over performers");
-  std::vector<double> means;
-  for (std::size_t i = 0; i < kResamples; ++i) {
-    double sum = 0;
-    for (std::size_t j = 0; j < values.size(); ++j) sum += values[random.below(values.size())];
-    means.push_back(sum / static_cast<double>(values.size()));
-  }
-  std::ranges::sort(means);
-  out.interval = {quantile_of_sorted(means, 0.025), quantile_of_sorted(means, 0.975)};
+  const Interval of = mean_interval({values});
+  TrackerMean out{.mean = of.mean, .performers = values.size(), .interval = {}};
+  if (values.size() > 1) out.interval = {of.low, of.high};
   return out;
 }
 

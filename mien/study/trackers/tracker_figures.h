@@ -41,11 +41,10 @@ using TrackerFigures = std::array<std::optional<double>, kTrackerMeasureCount>;
 struct TrackerMean {
   double mean = 0;
   std::size_t performers = 0;  ///< That have it.
-  /// By bootstrap over performers; absent with fewer than two of them.
+  /// Student's t over performers (mean_interval); absent with fewer than two of them.
   std::optional<std::array<double, 2>> interval;
 };
-/// Percentiles of 2,000 means of as many values drawn with replacement; the same values give the same
-/// interval. Nothing where there is no value.
+/// Nothing where there is no value.
 [[nodiscard]] std::optional<TrackerMean> mean_over_performers(const std::vector<double>& values);
 
 /// One tracker under one condition.

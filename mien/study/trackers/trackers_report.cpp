@@ -38,12 +38,12 @@ constexpr std::array<DrawnShape, 3> kDrawnShapes = {{{face::shape("jawOpen"), "j
                                                      {face::shape("mouthSmile_L"), "mouthSmile_L"},
                                                      {face::shape("eyeBlink_L"), "eyeBlink_L"}}};
 
-/// "0.70 [0.61, 0.80]"; of one performer the figure alone.
+/// "0.70 ± 0.09"; of one performer the figure alone.
 std::string shown_mean(const std::optional<TrackerMean>& mean, int decimals, double factor) {
   if (!mean) return "-";
   if (!mean->interval) return fmt::format("{:.{}f}", factor * mean->mean, decimals);
-  return fmt::format("{:.{}f} [{:.{}f}, {:.{}f}]", factor * mean->mean, decimals,
-                     factor * (*mean->interval)[0], decimals, factor * (*mean->interval)[1], decimals);
+  return fmt::format("{:.{}f} ± {:.{}f}", factor * mean->mean, decimals,
+                     0.5 * factor * ((*mean->interval)[1] - (*mean->interval)[0]), decimals);
 }
 
 /// A head across all columns.
@@ -175,7 +175,7 @@ std::string trackers_legend(const TrackersStudy& study) {
       "common: "
       "over those that all tell.";
   if (study.rows.empty() || study.rows.front().key != "recording")
-    out += " In brackets: 95 % intervals by bootstrap over performers; with few of them they are too narrow.";
+    out += " Behind ±: half of the 95 % interval over performers (Student's t).";
   return out + " All else: docs/reference/tracker_curves.md.";
 }
 

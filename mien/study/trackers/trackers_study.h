@@ -40,7 +40,7 @@ inline constexpr std::string_view kOwnCurves = "Mien (IMUs)";
 
 struct TrackersRequest {
   std::vector<TrackerCondition> conditions;  ///< Empty: all.
-  int performers = 4;   ///< Virtual ones of the built-in family (the streams are the study's own).
+  int performers = 6;   ///< Virtual ones of the built-in family (the streams are the study's own).
   double seconds = 30;  ///< Of each performance after the prologue, at least 3.
   CompareSettings compare;
   std::uint64_t seed = 1;

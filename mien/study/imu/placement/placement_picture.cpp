@@ -22,7 +22,8 @@ namespace {
 
 constexpr render::Rgb kPlacementInk = {40, 42, 48};
 constexpr render::Rgb kDotFill = {255, 255, 255};
-constexpr float kPlacementCloseness = 1.45F;
+constexpr float kPlacementCloseness = 1.3F;
+constexpr float kLookLowerM = 0.024F;  // From the chin to the hairline; hair tells nothing.
 constexpr int kPanelsInRow = 4;
 /// Of shape groups, for the colour-blind too (Okabe and Ito 2008).
 constexpr std::array<render::Rgb, kShapeGroups.size()> kGroupColours = {
@@ -97,6 +98,8 @@ class PlacementView {
         camera_(render::portrait_camera(face, view_rad, size_px, size_px, kPlacementCloseness)),
         renderer_(face),
         rays_(face.neutral_m, face.triangles) {
+    camera_.target_m.y() -= kLookLowerM;
+    camera_.position_m.y() -= kLookLowerM;
     renderer_.light(face.neutral_m, camera_, render::Look::light());
   }
 
