@@ -1,10 +1,14 @@
 #include "app/study/short_trainings.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <map>
 #include <optional>
 #include <span>
@@ -75,6 +79,18 @@ class ShortTrainings {
     std::ranges::reverse(waiting_);  // Taken from the back.
   }
 
+  /// Removes what studies that were killed left behind: data that nobody waits for, and halves of files.
+  void tidy(const fs::path& folder) const {
+    std::error_code code;
+    std::vector<fs::path> left;
+    for (const auto& entry : fs::directory_iterator(folder, code)) {
+      const std::string name = entry.path().filename().string();
+      const bool data = name.starts_with("data-") && !wanted_.contains(entry.path());
+      if (data || name.ends_with(".part")) left.push_back(entry.path());
+    }
+    for (const fs::path& path : left) remove_quietly(path);
+  }
+
   Result<void> run() {
     const std::size_t workers = std::max(1U, std::thread::hardware_concurrency());
     while (!waiting_.empty() || !running_.empty()) {
@@ -82,8 +98,9 @@ class ShortTrainings {
         MIEN_TRY(start_next());
       }
       std::this_thread::sleep_for(kLook);
-      MIEN_TRY(collect());
+      // Asked first: Ctrl-C ends the helpers too, which is no error of theirs.
       if (!progress_(share(), status())) return stop();
+      MIEN_TRY(collect());
     }
     return {};
   }
@@ -144,7 +161,7 @@ class ShortTrainings {
   }
 
   Result<void> stop() {
-    for (Running& one : running_) MIEN_TRY(one.child.stop(kPatience));
+    for (Running& one : running_) MIEN_TRY(one.child.stop(kPatience));  // With a checkpoint.
     return fail(
         ErrorCode::cancelled,
         fmt::format("stopped after {} of {} trainings", all_ - waiting_.size() - running_.size(), all_), "",
@@ -169,15 +186,60 @@ class ShortTrainings {
   std::map<fs::path, std::size_t> wanted_;  ///< Of each file of data, who still learns from it.
 };
 
+/// Holds a folder as long as it lives, so that no other study works in it.
+class FolderLock {
+ public:
+  static Result<FolderLock> take(const fs::path& folder) {
+    const fs::path path = folder / "lock";
+    const int file = ::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600);
+    if (file < 0) return fail(ErrorCode::io, std::strerror(errno), path.string());
+    if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
+      ::close(file);
+      return fail(ErrorCode::io, "another study is at work in this folder", folder.string(),
+                  "wait for it, or name another --out");
+    }
+    return FolderLock(file);
+  }
+  FolderLock(FolderLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+  FolderLock& operator=(FolderLock&&) = delete;
+  ~FolderLock() {
+    if (file_ >= 0) ::close(file_);
+  }
+
+ private:
+  explicit FolderLock(int file) : file_(file) {}
+  int file_;
+};
+
+/// Another build of the trainer, whose simulation and training may differ, leaves models that cannot stand
+/// beside this one's.
+Result<void> check_same_trainer(const fs::path& folder) {
+  MIEN_TRY_ASSIGN(const fs::path helper, find_helper("mien-train"));
+  MIEN_TRY_ASSIGN(const std::vector<std::byte> program, read_file(helper));
+  Sha256 hash;
+  hash.add(program);
+  const std::string own = hash.hex() + "\n";
+  const fs::path path = folder / "trainer.sha256";
+  if (!is_there(path)) return write_file(path, own);
+  MIEN_TRY_ASSIGN(const std::string standing, read_text(path));
+  if (standing == own) return {};
+  return fail(ErrorCode::mismatch, "what is trained here is of another build of the trainer", folder.string(),
+              "remove this folder to train anew, or name another --out");
+}
+
 }  // namespace
 
 study::TrainShort train_by_helper(fs::path folder) {
   return [folder = std::move(folder)](std::span<const study::ShortTraining> trainings,
                                       const Progress& progress) -> Result<std::vector<study::ShortTrained>> {
     MIEN_TRY(make_private_folders(folder));
+    MIEN_TRY_ASSIGN(const FolderLock lock, FolderLock::take(folder));
+    MIEN_TRY(check_same_trainer(folder));
     std::vector<Row> rows;
     for (const study::ShortTraining& training : trainings) rows.push_back(row_of(training, folder));
-    MIEN_TRY(ShortTrainings(rows, progress).run());
+    ShortTrainings work(rows, progress);
+    work.tidy(folder);
+    MIEN_TRY(work.run());
     std::vector<study::ShortTrained> trained;
     for (const Row& row : rows) {
       study::ShortTrained& one = trained.emplace_back();

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <utility>
 
+#include "app/child_program.h"
 #include "app/chosen_face.h"
 #include "app/json_output.h"
 #include "app/performance.h"
@@ -14,6 +16,7 @@
 #include "app/study/short_trainings.h"
 #include "mien/core/files.h"
 #include "mien/study/imu/ablation/ablation_report.h"
+#include "mien/study/takes/training_takes.h"
 
 namespace mien::app {
 namespace {
@@ -31,12 +34,12 @@ struct StudyAblationOptions {
 
 /// Less of everything, in two minutes: enough to see that it works, too little to compare anything.
 void make_quick(study::AblationRequest& request) {
-  request.seeds = 2;
-  request.steps = 12;
-  request.data.performers = 20;
+  request.seeds = std::min<std::size_t>(request.seeds, 2);
+  request.steps = std::min<std::size_t>(request.steps, 12);
+  request.data.performers = std::min(request.data.performers, 20);
   request.data.validation_performers = 2;
   request.data.seconds = request.data.device_seconds = 6;
-  request.test_people = 2;
+  request.test_people = std::min<std::size_t>(request.test_people, 2);
   request.test_seconds = 6;
   request.stand_ins = 5;
   request.stand_in_seconds = 30;
@@ -93,7 +96,7 @@ Json to_json(const study::AblationStudy& study, const StudyAblationOptions& opti
 
 Result<void> load_motions(StudyAblationOptions& options) {
   if (options.motions.empty()) return {};
-  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face, terminal_progress("face")));
+  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face, face_progress(options.face)));
   for (const std::string& path : options.motions) {
     MIEN_TRY_ASSIGN(Performance performance, load_performance(path));
     options.request.recorded.push_back({std::move(performance.motion), face});
@@ -101,11 +104,20 @@ Result<void> load_motions(StudyAblationOptions& options) {
   return {};
 }
 
-Result<void> load_shipped(study::AblationRequest& request) {
+/// Those whose sensors the rig has all; others are left out, and that is said.
+Result<void> load_shipped(const sensor::Rig& rig, study::AblationRequest& request) {
   for (const auto& [name, part] : {std::pair("the shipped live model", "models/live.safetensors"),
                                    std::pair("the shipped window model", "models/default.safetensors")}) {
     MIEN_TRY_ASSIGN(const std::filesystem::path path, find_resource(part));
     MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(path));
+    const std::vector<std::string> sensors = rig.face_sensor_names();
+    const bool has_all = std::ranges::all_of(file.features.sensors, [&](const std::string& sensor) {
+      return std::ranges::find(sensors, sensor) != sensors.end();
+    });
+    if (!has_all) {
+      fmt::print(stderr, "mien: {} reads sensors that the rig has not, and is left out\n", name);
+      continue;
+    }
     request.shipped.push_back({name, std::move(file)});
   }
   return {};
@@ -121,9 +133,13 @@ Result<void> run_study_ablation(StudyAblationOptions options) {
   if (options.quick) make_quick(request);
   // Before hours of work.
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(request.rig));
-  MIEN_TRY(study::chosen_rows(rig, request.rows));
+  MIEN_TRY(study::chosen_rows(rig, request.takes.empty(), request.rows));
+  MIEN_TRY(find_helper("mien-train"));
+  if (!request.takes.empty())
+    MIEN_TRY(study::read_training_takes(request.takes, request.splits, rig, request.seed,
+                                        terminal_progress("takes")));
   MIEN_TRY(load_motions(options));
-  if (!options.no_shipped) MIEN_TRY(load_shipped(request));
+  if (!options.no_shipped) MIEN_TRY(load_shipped(rig, request));
   request.tell = [](const std::string& sentence) {
     clear_progress();
     fmt::print(stderr, "mien: {}\n", sentence);
@@ -207,7 +223,8 @@ void add_study_ablation(Commands& commands, Command study) {
   command
       .add_option("--out", options->out,
                   "Folder for ablation.html, ablation.txt and ablation.json, made where it is not; its "
-                  "`trainings` keep what is trained, so that a study that was stopped goes on")
+                  "`trainings` keep what is trained, so that a study that was stopped goes on; a gigabyte of "
+                  "memory a core")
       .required();
   command.add_flag("--json", options->json, "Print one JSON object");
 }

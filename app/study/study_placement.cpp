@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "app/child_program.h"
 #include "app/chosen_face.h"
 #include "app/json_output.h"
 #include "app/one_line.h"
@@ -240,6 +241,7 @@ Result<void> run_study_placement(PlacementOptions options) {
   seed_placement(options.request);
   MIEN_TRY_ASSIGN(const study::PlacementRigs rigs, placement_rigs(options));
   MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face, face_progress(options.face)));
+  if (!options.no_training) MIEN_TRY(find_helper("mien-train"));
   const std::filesystem::path folder = options.out;
   MIEN_TRY(make_private_folders(folder));
   std::optional<study::TrainShort> train;

@@ -124,7 +124,7 @@ Result<StudiedTrackers> compare_recordings(const StudyTrackersOptions& options) 
     for (study::TrackerCurves& curves : trackers) curves = study::counted_from_start(std::move(curves));
   }
   MIEN_TRY(move_by_offsets(options.offsets, trackers));
-  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face, terminal_progress("face")));
+  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face, face_progress(options.face)));
   const measure::Meter meter(face);
   MIEN_TRY_ASSIGN(const study::CurveComparison comparison,
                   study::compare_curves(meter, truth, trackers, options.request.compare));
@@ -229,7 +229,11 @@ Json study_json(const study::TrackersStudy& study, const StudyTrackersOptions& o
 std::vector<study::TrackerPicture> pictures_of(const study::TrackersStudy& study, const std::string& what) {
   std::vector<study::TrackerPicture> out;
   const auto face = chosen_face(what);
-  if (!face) return out;
+  if (!face) {
+    fmt::print(stderr, "mien: no pictures of the worst moments: {}\n",
+               without_controls(face.error().message()));
+    return out;
+  }
   for (const study::TrackersRow& row : study.rows) {
     auto picture = study::tracker_picture(*face, row);
     if (!picture) {

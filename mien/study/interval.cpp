@@ -66,11 +66,13 @@ Interval mean_interval(const SeedFigures& figures) {
 }
 
 Interval change_interval(const SeedFigures& figures, const SeedFigures& base) {
-  const double whole = mean_interval(base).mean;
-  SeedFigures shares = figures;
-  for (std::size_t s = 0; s < shares.size(); ++s)
-    for (std::size_t p = 0; p < shares[s].size(); ++p) shares[s][p] = (figures[s][p] - base[s][p]) / whole;
-  return mean_interval(shares);
+  const double whole = mean_interval(base).mean, ratio = mean_interval(figures).mean / whole;
+  SeedFigures residuals = figures;
+  for (std::size_t s = 0; s < residuals.size(); ++s)
+    for (std::size_t p = 0; p < residuals[s].size(); ++p)
+      residuals[s][p] = (figures[s][p] - ratio * base[s][p]) / whole;
+  const Interval of = mean_interval(residuals);  // About 0.
+  return {ratio - 1, ratio - 1 + of.low, ratio - 1 + of.high};
 }
 
 }  // namespace mien::study

@@ -209,7 +209,9 @@ TEST(Killed, AnAblationGoesOnToTheSameFigures) {
   const auto has = [&](const char* ending) {
     std::error_code code;
     for (const auto& entry : std::filesystem::directory_iterator(folder / "cut/trainings", code))
-      if (entry.path().string().ends_with(ending)) return true;
+      if (const std::string name = entry.path().filename().string();
+          name.ends_with(ending) && !name.starts_with("data-"))
+        return true;
     return false;
   };
   for (const char* sign : {".checkpoint", ".safetensors"}) {
@@ -230,6 +232,9 @@ TEST(Killed, AnAblationGoesOnToTheSameFigures) {
   const std::string figures = content(folder / "whole/ablation.json");
   EXPECT_NE(figures.find("pve_mm_by_seed_and_person"), std::string::npos);
   EXPECT_EQ(content(folder / "cut/ablation.json"), figures);
+  EXPECT_FALSE(has(".checkpoint") || has(".part"));
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "cut/trainings"))
+    EXPECT_FALSE(entry.path().filename().string().starts_with("data-")) << entry.path();
 }
 
 }  // namespace

@@ -67,10 +67,29 @@ TEST(Changes, ArePairedByPersonAndSeed) {
   const SeedFigures base = {{1, 10, 5}, {1.1, 10.1, 5.1}};
   SeedFigures worse = base;
   for (auto& seed : worse)
-    for (double& figure : seed) figure += 0.5;
+    for (double& figure : seed) figure *= 1.1;
   const Interval change = change_interval(worse, base);
-  EXPECT_NEAR(change.mean, 0.5 / mean_interval(base).mean, 1e-12);
+  EXPECT_NEAR(change.mean, 0.1, 1e-12);
   EXPECT_NEAR(change.low, change.high, 1e-9);
+}
+
+TEST(Changes, HoldTheChangeAsOftenAsTheySay) {
+  Random random(6);
+  int held = 0;
+  constexpr int kTrials = 2000;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    SeedFigures base(3), figures(3);
+    std::vector<double> person(12);
+    for (double& p : person) p = random.uniform(0.5, 2);
+    for (int s = 0; s < 3; ++s)
+      for (const double p : person) {
+        base[static_cast<std::size_t>(s)].push_back(p * (1 + 0.05 * random.normal()));
+        figures[static_cast<std::size_t>(s)].push_back(1.3 * p * (1 + 0.1 * random.normal()));
+      }
+    const Interval change = change_interval(figures, base);
+    if (change.low <= 0.3 && 0.3 <= change.high) ++held;
+  }
+  EXPECT_GT(static_cast<double>(held) / kTrials, 0.93);
 }
 
 }  // namespace

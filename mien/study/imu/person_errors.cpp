@@ -1,6 +1,5 @@
 #include "mien/study/imu/person_errors.h"
 
-#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -13,23 +12,10 @@ namespace {
 /// The profile's white noise, an axis.
 constexpr double kLabNoiseRad = kRadPerDeg;
 
-/// Frames that are answered together.
-std::size_t piece_of(const model::ModelFile& model, std::size_t frames, WindowJoin join) {
-  const bool apart =
-      join == WindowJoin::side_by_side && model.architecture.kind == model::NetworkKind::window;
-  return apart ? model.architecture.window : std::max<std::size_t>(frames, 1);
-}
-
 Result<PersonErrors> errors_of(const model::ModelFile& model, const std::vector<std::string>& sensors,
                                const ImuPerson& person, const measure::Meter& meter, WindowJoin join) {
-  const std::size_t frames = person.features.size(), piece = piece_of(model, frames, join);
-  std::vector<face::BlendshapeWeights> answer;
-  for (std::size_t begin = 0; begin < frames; begin += piece) {
-    MIEN_TRY_ASSIGN(const std::vector<face::BlendshapeWeights> part,
-                    answers_of(model, sensors,
-                               std::span(person.features).subspan(begin, std::min(piece, frames - begin))));
-    answer.insert(answer.end(), part.begin(), part.end());
-  }
+  MIEN_TRY_ASSIGN(const std::vector<face::BlendshapeWeights> answer,
+                  answers_of(model, sensors, person.features, join));
   const measure::Stretch stretch{person.truth, answer};
   const measure::Metrics metrics = meter.measure({&stretch, 1});
   return PersonErrors{.pve_mm = metrics.pve_mm.mean,

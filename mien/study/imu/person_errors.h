@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,12 +17,6 @@ struct PersonErrors {
   double lmk_mm = 0;  ///< Mean error of the 68 landmarks; 0 on a face without them.
   double mse = 0;     ///< Of the 53 weights.
   double jitter = 0;  ///< Third difference of the landmarks over the truth's; 0 where the truth rests.
-};
-
-/// How a window network's windows follow each other; others have none.
-enum class WindowJoin : std::uint8_t {
-  overlap,       ///< Each shares half of itself with the one before, as the solver has it.
-  side_by_side,  ///< Each is answered for itself.
 };
 
 /// Each person's errors, in their order. `sensors`: names of the features' entries; those that the model does

@@ -8,7 +8,7 @@
 
 namespace mien::study {
 
-/// Which network a study trains, all of about as many parameters (0.2 to 0.3 million with eleven sensors).
+/// Which network a study trains, all of about as many parameters (0.2 to 0.4 million with eleven sensors).
 enum class ShortNetwork : std::uint8_t {
   recurrent,    ///< The live model's kind: two layers of gated recurrent units, 128 wide, frame by frame.
   transformer,  ///< Two layers over a window of 120 frames, which answers at once: no diffusion.

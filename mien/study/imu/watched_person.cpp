@@ -77,14 +77,20 @@ class WatchedByModel final : public WatchedPerson {
 
 Result<std::vector<face::BlendshapeWeights>> answers_of(const model::ModelFile& model,
                                                         const std::vector<std::string>& sensors,
-                                                        std::span<const model::FeatureFrame> features) {
+                                                        std::span<const model::FeatureFrame> features,
+                                                        WindowJoin join) {
   std::vector<face::BlendshapeWeights> out;
   out.reserve(features.size());
   if (model.architecture.kind == model::NetworkKind::window) {
     MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, tracker::WindowSolver::create(model));
-    MIEN_TRY_ASSIGN(const std::vector<face::OutputFrame> frames,
-                    solver.solve(features, sensors, model.sampler, no_progress));
-    for (const face::OutputFrame& frame : frames) out.push_back(frame.weights);
+    const std::size_t together =
+        join == WindowJoin::overlap ? features.size() : model.architecture.window;  // Frames.
+    for (std::size_t begin = 0; begin < features.size(); begin += together) {
+      MIEN_TRY_ASSIGN(const std::vector<face::OutputFrame> frames,
+                      solver.solve(features.subspan(begin, std::min(together, features.size() - begin)),
+                                   sensors, model.sampler, no_progress));
+      for (const face::OutputFrame& frame : frames) out.push_back(frame.weights);
+    }
     return out;
   }
   MIEN_TRY_ASSIGN(tracker::CausalTracker tracker, tracker::CausalTracker::create(model, sensors));

@@ -27,11 +27,17 @@ struct ImuPerson {
   std::vector<face::BlendshapeWeights> truth;
 };
 
+/// How a window network's windows follow each other; others have none.
+enum class WindowJoin : std::uint8_t {
+  overlap,       ///< Each shares half of itself with the one before, as the solver has it.
+  side_by_side,  ///< Each is answered for itself.
+};
+
 /// The model's answer to these frames, from the first on, by whichever network it has. `sensors`: names of
 /// the features' entries. Errors: the tracker's.
 [[nodiscard]] Result<std::vector<face::BlendshapeWeights>> answers_of(
     const model::ModelFile& model, const std::vector<std::string>& sensors,
-    std::span<const model::FeatureFrame> features);
+    std::span<const model::FeatureFrame> features, WindowJoin join = WindowJoin::overlap);
 
 /// People of a data set, one a sequence; those of the lab profile are left out where there are others.
 [[nodiscard]] std::vector<ImuPerson> watched(const Dataset& data);

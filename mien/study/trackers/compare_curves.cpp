@@ -214,8 +214,9 @@ class ScoreMaker {
 };
 
 CurveScore tracker_score(const measure::Meter& meter, const CurveComparison& comparison,
-                         const TrackerCurves& curves, const ToldShapes& told,
+                         const TrackerCurves& curves, const ToldShapes& truth_told,
                          const CompareSettings& settings) {
+  const ToldShapes told = curves.told & truth_told;
   const TimeLine line(curves);
   const ScoreMaker maker(meter, comparison, told);
   CurveScore out;
@@ -226,7 +227,10 @@ CurveScore tracker_score(const measure::Meter& meter, const CurveComparison& com
     const bool saw = line.at(time_s).has_value();
     out.saw.push_back(saw);
     out.seen += saw ? 1 : 0;
-    whole.estimate.push_back(line.held_at(time_s));
+    face::BlendshapeWeights& shown = whole.estimate.emplace_back(line.held_at(time_s));
+    // Of what the truth does not tell nobody knows whether it is right.
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      if (!truth_told[k]) shown[k] = comparison.truth[whole.estimate.size() - 1][k];
   }
   const auto frames = static_cast<double>(comparison.time_s.size());
   out.gap_share = 1 - static_cast<double>(out.seen) / frames;
@@ -234,15 +238,13 @@ CurveScore tracker_score(const measure::Meter& meter, const CurveComparison& com
   out.lag = LagSearch(comparison, line, told, settings.search_s).find();
   if (out.lag) out.without_lag = maker.seen_errors(line, out.lag->lag_s);
   out.held = maker.errors(whole, &out.pve_mm);
-  ToldShapes all;
-  all.set();
-  if (told == all) {
+  if (told == truth_told) {
     out.pve_whole_mm = out.held.pve_mm;
   } else {
     const measure::Stretch stretch{.truth = whole.truth, .estimate = whole.estimate};
     out.pve_whole_mm = meter.measure(std::span(&stretch, 1)).pve_mm.mean;
   }
-  out.mse_whole = mean_square(whole.truth, whole.estimate, all).value_or(0);
+  out.mse_whole = mean_square(whole.truth, whole.estimate, truth_told).value_or(0);
   out.shown = std::move(whole.estimate);
   return out;
 }
@@ -304,7 +306,7 @@ Result<CurveComparison> compare_curves(const measure::Meter& meter, const Tracke
   if (out.time_s.empty())
     return fail(ErrorCode::not_found, "the truth has no row with a face while all trackers run", truth.name);
   for (const TrackerCurves& tracker : trackers)
-    out.scores.push_back(tracker_score(meter, out, tracker, tracker.told & truth.told, settings));
+    out.scores.push_back(tracker_score(meter, out, tracker, truth.told, settings));
   return out;
 }
 

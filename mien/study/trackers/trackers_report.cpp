@@ -152,14 +152,13 @@ std::string moment_caption(const TrackersRow& row) {
 
 std::string modelled_notice() {
   return "Modelled, not measured: no camera looked at anybody here. The camera trackers are models, made of "
-         "what "
-         "is published of each and of assumptions where nothing is; every number and its source stands "
-         "below. "
-         "Ours is measured on simulated sensors that are worn by virtual performers. What these figures say "
-         "is "
-         "where trackers of each kind must fail and what that costs; how large their errors are on real "
-         "faces "
-         "only recordings tell (mien study trackers --truth FILE --curves NAME=FILE).";
+         "what is published of each and of assumptions where nothing is; the numbers that matter most stand "
+         "below with their sources. Their delays have a camera's exposure and a webcam's buffer in them, "
+         "ours "
+         "no radio. Ours is measured on simulated sensors that are worn by virtual performers. What these "
+         "figures say is where trackers of each kind must fail and what that costs; how large their errors "
+         "are "
+         "on real faces only recordings tell (mien study trackers --truth FILE --curves NAME=FILE).";
 }
 
 std::string trackers_legend(const TrackersStudy& study) {
@@ -199,7 +198,11 @@ measure::Table trackers_table(const TrackersStudy& study) {
 
 measure::Table lag_table(const TrackersStudy& study) {
   measure::Table table;
-  table.caption = "Lag behind the truth, ms; found: performances in which it could be told";
+  const bool recordings = !study.rows.empty() && study.rows.front().key == "recording";
+  table.caption =
+      recordings
+          ? "Behind the truth, ms: lag, and where recordings do not share a clock how much later they began"
+          : "Lag behind the truth, ms; found: performances in which it could be told";
   table.columns = {"", "lag", "standard error of one", "found"};
   for (const TrackersRow& row : study.rows) {
     table.strong_rows.push_back(table.rows.size());

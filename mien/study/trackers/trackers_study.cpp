@@ -35,12 +35,12 @@ struct ConditionWords {
 constexpr std::array<ConditionWords, kTrackerConditionCount> kConditionWords = {{
     {"talking", "talking", "Reading aloud, the face before the camera."},
     {"hand", "hand before the face",
-     "As talking, a hand before the mouth for one to three seconds at a time. It touches no sensor, so ours "
-     "is "
-     "as in talking by construction."},
+     "As talking, a hand before the mouth for one to three seconds at a time. It touches no sensor, so our "
+     "curves are those of talking "
+     "by construction."},
     {"turned_away", "turned away", "As talking, the head 45 to 80 degrees aside half of the time."},
     {"dark", "dark",
-     "As talking, without light. No sensor needs any, so ours is as in talking by construction."},
+     "As talking, without light. No sensor needs any, so our curves are those of talking by construction."},
     {"walking", "walking", "As talking, walking throughout, the camera held in the hand before the face."},
     {"eating", "eating", "A meal: hand and cup hide the mouth, and touch no sensor."},
     {"rapid", "rapid motion", "The fastest motions of faces, and a head that darts aside."},
@@ -130,7 +130,10 @@ class WatchedByCameras {
     out.motion = motion_for(condition);
     // The camera must see the same head as the sensors feel.
     if (!out.motion.has_head) out.motion = performer::with_head_motion(out.motion, root_.fork("head"));
-    const Wearing wearing{.faults = setting_.faults, .kinematics = {}};
+    // Skin as unlike the standard one's as that of whom live models learn from: each by an even share.
+    Random unlike = root_.fork("unlike");
+    const Wearing wearing{.faults = setting_.faults,
+                          .kinematics = virt::KinematicsSpread().times(unlike.uniform())};
     MIEN_TRY_ASSIGN(const Performance performance,
                     perform_with(wearing, person_.face, out.motion, setting_.rig, root_.fork("worn")));
     const virt::VirtualSession& session = performance.session;

@@ -79,7 +79,7 @@ class RowTable {
 
 }  // namespace
 
-std::vector<AblationRow> ablation_rows(const sensor::Rig& rig) {
+std::vector<AblationRow> ablation_rows(const sensor::Rig& rig, bool stand_ins) {
   RowTable table(rig);
   table.add({.name = std::string(kAblationBase),
              .group = "sensors",
@@ -100,24 +100,24 @@ std::vector<AblationRow> ablation_rows(const sensor::Rig& rig) {
   table.add({.name = "tenth_of_people", .group = "data", .title = "a tenth of the people", .one_in = 10});
   table.add({.name = "takes_alone",
              .group = "data",
-             .title = "people's takes alone",
+             .title = stand_ins ? "stand-ins for takes alone" : "people's takes alone",
              .learns_from = LearnsFrom::takes});
   table.add({.name = "takes_too",
              .group = "data",
-             .title = "performers and people's takes",
+             .title = stand_ins ? "performers and stand-ins for takes" : "performers and people's takes",
              .learns_from = LearnsFrom::both});
 
   table.add({.name = "transformer",
              .group = "networks",
-             .title = "transformer, answers at once",
+             .title = "transformer, sees 2 s at once",
              .network = ShortNetwork::transformer});
   table.add({.name = "diffusion",
              .group = "networks",
-             .title = "diffusion, overlapping windows",
+             .title = "diffusion, sees 2 s, overlapping",
              .network = ShortNetwork::diffusion});
   table.add({.name = "no_overlap",
              .group = "networks",
-             .title = "diffusion, windows side by side",
+             .title = "diffusion, sees 2 s, side by side",
              .network = ShortNetwork::diffusion,
              .join = WindowJoin::side_by_side});
 
@@ -130,8 +130,9 @@ std::vector<AblationRow> ablation_rows(const sensor::Rig& rig) {
   return std::move(table).rows();
 }
 
-Result<std::vector<AblationRow>> chosen_rows(const sensor::Rig& rig, std::span<const std::string> names) {
-  std::vector<AblationRow> all = ablation_rows(rig);
+Result<std::vector<AblationRow>> chosen_rows(const sensor::Rig& rig, bool stand_ins,
+                                             std::span<const std::string> names) {
+  std::vector<AblationRow> all = ablation_rows(rig, stand_ins);
   if (names.empty()) return all;
   std::vector<std::string> known;
   for (const AblationRow& row : all) known.push_back(row.name);

@@ -26,7 +26,8 @@ struct AblationRow {
   std::string group;                 ///< "sensors", "data", "networks", "windows".
   std::string title;                 ///< For people.
   std::vector<std::string> sensors;  ///< That the network reads, by name.
-  /// One in so many of the virtual performers; each seed learns from others of them. 1 or more.
+  /// One in so many of the virtual performers, 1 or more; as many seeds learn from others of them, further
+  /// ones from the same again.
   std::size_t one_in = 1;
   LearnsFrom learns_from = LearnsFrom::performers;
   ShortNetwork network = ShortNetwork::recurrent;
@@ -37,14 +38,15 @@ struct AblationRow {
 /// The row that all others are compared with.
 inline constexpr std::string_view kAblationBase = "base";
 
-/// All rows that a rig has sensors enough for, the base first. Of the default rig: the paper's five sensors
-/// (two at the eyebrows, one at the jaw, two at the cheeks), each region of muscles left out, one side; a
-/// third and a tenth of the people; takes alone and with virtual performers; other networks; other windows.
-[[nodiscard]] std::vector<AblationRow> ablation_rows(const sensor::Rig& rig);
+/// All rows that a rig has sensors enough for, the base first. `stand_ins`: no takes of people are at hand,
+/// so titles say that virtual ones stand in. Of the default rig: the paper's five sensors (two at the
+/// eyebrows, one at the jaw, two at the cheeks), each region of muscles left out, one side; a third and a
+/// tenth of the people; takes alone and with virtual performers; other networks; other windows.
+[[nodiscard]] std::vector<AblationRow> ablation_rows(const sensor::Rig& rig, bool stand_ins);
 
 /// The base and those of these names, in the table's order; all where no name is given. Errors: not_found,
 /// with the nearest name.
-[[nodiscard]] Result<std::vector<AblationRow>> chosen_rows(const sensor::Rig& rig,
+[[nodiscard]] Result<std::vector<AblationRow>> chosen_rows(const sensor::Rig& rig, bool stand_ins,
                                                            std::span<const std::string> names);
 
 }  // namespace mien::study

@@ -34,8 +34,6 @@ constexpr double kBoundPrior = 0.10, kBoundNoiseRad = 2 * kRadPerDeg;
 /// Of those who are trained on so many are looked at; of a row of one in kFewestShare, too.
 constexpr std::size_t kSeenPeople = 8, kFewestShare = 10;
 
-constexpr const char* kShippedGroup = "shipped";
-
 /// Whom the networks of one set of sensors are tried on.
 struct Tested {
   std::vector<std::string> sensors;  ///< Names of the features' entries.
@@ -126,7 +124,8 @@ class AblationData {
       return fmt::format("{} for {} s, seed {}", request_.stand_ins, request_.stand_in_seconds,
                          request_.seed);
     // Whoever records more, or anew, has other data.
-    std::string out = fmt::format("{} {}", request_.takes.string(), request_.splits.string());
+    std::string out = request_.takes.string();
+    if (const auto splits = read_text(request_.splits)) out += "\n" + *splits;
     std::error_code code;
     std::vector<std::string> files;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(request_.takes, code))
@@ -179,9 +178,10 @@ class AblationData {
 /// Of those who are trained on, the first whom a row's training of this seed learnt from.
 std::vector<ImuPerson> learnt_by(const AblationRow& row, std::size_t seed,
                                  const std::vector<ImuPerson>& seen) {
+  // Of each seed as many.
+  const std::size_t count = std::min(kSeenPeople, seen.size() / row.one_in);
   std::vector<ImuPerson> out;
-  for (std::size_t p = seed % row.one_in; p < seen.size() && out.size() < kSeenPeople; p += row.one_in)
-    out.push_back(seen[p]);
+  for (std::size_t i = 0; i < count; ++i) out.push_back(seen[i * row.one_in + seed % row.one_in]);
   return out;
 }
 
@@ -197,7 +197,6 @@ LossCurve curve_of(const std::string& csv) {
     if (!(cells >> step >> seconds >> windows >> rate >> training >> validation >> mse)) continue;
     out.steps.push_back(step);
     out.training_loss.push_back(training);
-    out.validation_loss.push_back(validation);
     out.validation_mse.push_back(mse);
   }
   return out;
@@ -242,9 +241,9 @@ class AblationWork {
     }
     out.takes_are = data_.takes_are();
     out.training_people = static_cast<std::size_t>(request_.data.performers);
+    const double device_s = request_.data.device_seconds * (1 + 1.5 * request_.data.device_long_share);
     out.training_minutes =
-        request_.data.performers *
-        (request_.data.seconds + request_.data.device_share * request_.data.device_seconds) / 60;
+        request_.data.performers * (request_.data.seconds + request_.data.device_share * device_s) / 60;
     progress_(1, "done");
     return out;
   }
@@ -346,7 +345,7 @@ class AblationWork {
     MIEN_TRY_ASSIGN(const std::vector<face::BlendshapeWeights> of_base,
                     answers_of(base, all->sensors, person.features));
     MIEN_TRY_ASSIGN(const std::vector<face::BlendshapeWeights> of_other,
-                    answers_of(other, few->sensors, same.features));
+                    answers_of(other, few->sensors, same.features, row.join));
     // The same performance, but sensors that are worn otherwise may begin a frame apart.
     const std::size_t frames = std::min(of_base.size(), of_other.size());
     const auto curve = [&](const ImuPerson& who, std::span<const face::BlendshapeWeights> answer) {
@@ -403,7 +402,7 @@ Result<AblationStudy> study_ablation(const AblationRequest& request, const Train
   if (sensor::kinds_of(rig) != std::vector<std::string>{"imu"} || rig.face_sensors().empty())
     return fail(ErrorCode::mismatch, "the rig has no IMUs on the face, or other sensors beside them",
                 request.rig.string(), "use one such as rigs/default.toml");
-  MIEN_TRY_ASSIGN(std::vector<AblationRow> rows, chosen_rows(rig, request.rows));
+  MIEN_TRY_ASSIGN(std::vector<AblationRow> rows, chosen_rows(rig, request.takes.empty(), request.rows));
   return AblationWork(request, rig, std::move(rig_text), progress).run(std::move(rows), train);
 }
 

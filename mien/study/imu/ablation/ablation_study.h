@@ -53,12 +53,17 @@ struct AblationRequest {
   std::function<void(const std::string& sentence)> tell = [](const std::string&) {};
 };
 
+/// The group of models that were trained before.
+inline constexpr const char* kShippedGroup = "shipped";
+
 /// Whom networks are tried on. None of them is learnt from, but for `seen`.
 enum class TestSet : std::uint8_t {
-  device,     ///< Virtual people like those of the training, in *device*.
-  lab,        ///< The same in *lab*.
-  strangers,  ///< People shifted from the training's distribution (draw_shifted_person), in *device*.
-  recorded,   ///< Recorded performances, in *device*.
+  device,  ///< Virtual people like those of the training, in *device*.
+  lab,     ///< The same in *lab*.
+  /// People shifted from the training's distribution (draw_shifted_person), whose skin is as their face's
+  /// mesh has it, in *device*.
+  strangers,
+  recorded,  ///< Recorded performances, in *device*.
   /// Of those whom that training learnt from, in *lab*: how much is learnt by heart. Rows that learn from one
   /// in so many have others of them, and shipped models and those of takes alone none.
   seen,
@@ -75,7 +80,7 @@ struct RowErrors {
 
 /// Validation against training, of a row's first seed.
 struct LossCurve {
-  std::vector<double> steps, training_loss, validation_loss, validation_mse;
+  std::vector<double> steps, training_loss, validation_mse;
 };
 
 struct AblationResult {

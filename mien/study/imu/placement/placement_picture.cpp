@@ -94,8 +94,7 @@ void draw_share_legend(render::Image& picture, const render::Lettering& letterin
 class PlacementView {
  public:
   PlacementView(const face::Face& face, float view_rad, int size_px)
-      : face_(face),
-        camera_(render::portrait_camera(face, view_rad, size_px, size_px, kPlacementCloseness)),
+      : camera_(render::portrait_camera(face, view_rad, size_px, size_px, kPlacementCloseness)),
         renderer_(face),
         rays_(face.neutral_m, face.triangles) {
     camera_.target_m.y() -= kLookLowerM;
@@ -127,7 +126,6 @@ class PlacementView {
   }
 
  private:
-  const face::Face& face_;
   render::Camera camera_;
   render::Renderer renderer_;
   render::RayScene rays_;

@@ -272,7 +272,9 @@ Result<PlacementStudy> study_placement(const PlacementRequest& request, const fa
 std::string top_shapes(const ShapesLeft& left, std::size_t most) {
   std::vector<std::pair<double, std::size_t>> told;
   for (std::size_t k = 0; k < left.size(); ++k) told.emplace_back(1 - left[k] * left[k], k);
-  std::ranges::stable_sort(told, [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::ranges::sort(told, [](const auto& a, const auto& b) {
+    return std::pair(-a.first, a.second) < std::pair(-b.first, b.second);
+  });
   std::string out;
   for (std::size_t i = 0; i < std::min(most, told.size()) && told[i].first >= 0.1; ++i)
     out += fmt::format("{}{} {:.0f} %", i > 0 ? ", " : "", face::kShapeNames[told[i].second],

@@ -29,6 +29,7 @@ Result<PlacementTests> perform_tests(const PlacementTrainingRequest& request, co
   recipe.performers = 0;
   recipe.validation_performers = request.test_people;
   recipe.seconds = recipe.device_seconds = request.test_seconds;
+  recipe.device_long_share = 0;
   MIEN_TRY_ASSIGN(const TrainingData data, make_dataset(recipe, "builtin", rig, progress, request.threads));
   return PlacementTests{.sensors = data.validation.sensors,
                         .device = watched(data.validation),

@@ -50,6 +50,8 @@ bool is_glueable(const Vec3& p_m, const Vec3& normal) {
   if (p.z() < 30 || p.y() < -78 || normal.z() < -0.1) return false;        // Back, neck.
   if (p.y() < -45 && normal.y() < -0.6) return false;                      // Below the jaw.
   if (builtin_face::within_hairline(p) > -kMmPerM * kFreeM) return false;  // Hair.
+  const double across = (aside - 32) / 23, up = (p.y() - 38) / (p.y() > 38 ? 17 : 13);
+  if (p.z() > 60 && across * across + up * up < 1) return false;  // Lids, up to brow and socket's edge.
   const bool nose = aside < 20 && p.z() > 96 && p.y() > -18 && p.y() < 12;
   if (nose && (normal.y() < -0.25 || normal.z() < 0.15)) return false;  // Nostrils, alae's edge.
   return true;

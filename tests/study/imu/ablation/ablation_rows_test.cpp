@@ -26,7 +26,7 @@ const AblationRow& row(const std::vector<AblationRow>& rows, std::string_view na
 }
 
 TEST(AblationRows, OfTheDefaultRigAreThePapers) {
-  const std::vector<AblationRow> rows = ablation_rows(default_rig());
+  const std::vector<AblationRow> rows = ablation_rows(default_rig(), true);
   EXPECT_EQ(rows.front().name, kAblationBase);
   EXPECT_EQ(rows.front().sensors, default_rig().face_sensor_names());
   EXPECT_THAT(row(rows, "five_sensors").sensors,
@@ -45,7 +45,8 @@ TEST(AblationRows, OfTheDefaultRigAreThePapers) {
 }
 
 TEST(AblationRows, OfOtherRigsAreThoseThatTheyHaveSensorsFor) {
-  const std::vector<AblationRow> rows = ablation_rows(virt::test::three_sensors());  // Chin and left cheek.
+  const std::vector<AblationRow> rows =
+      ablation_rows(virt::test::three_sensors(), true);  // Chin and left cheek.
   const auto has = [&](std::string_view name) {
     return std::ranges::find(rows, name, &AblationRow::name) != rows.end();
   };
@@ -55,13 +56,18 @@ TEST(AblationRows, OfOtherRigsAreThoseThatTheyHaveSensorsFor) {
     EXPECT_FALSE(has(none)) << none;
 }
 
+TEST(AblationRows, SayWhoseTakesTheyAre) {
+  EXPECT_EQ(row(ablation_rows(default_rig(), true), "takes_alone").title, "stand-ins for takes alone");
+  EXPECT_EQ(row(ablation_rows(default_rig(), false), "takes_alone").title, "people's takes alone");
+}
+
 TEST(AblationRows, ChosenOnesHaveTheBaseBeforeThem) {
-  const auto rows = chosen_rows(default_rig(), std::array<std::string, 2>{"diffusion", "five_sensors"});
+  const auto rows = chosen_rows(default_rig(), true, std::array<std::string, 2>{"diffusion", "five_sensors"});
   ASSERT_TRUE(rows) << rows.error().message();
   std::vector<std::string> names;
   for (const AblationRow& one : *rows) names.push_back(one.name);
   EXPECT_THAT(names, ElementsAre("base", "five_sensors", "diffusion"));
-  const auto unknown = chosen_rows(default_rig(), std::array<std::string, 1>{"five_sensor"});
+  const auto unknown = chosen_rows(default_rig(), true, std::array<std::string, 1>{"five_sensor"});
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error().code, ErrorCode::not_found);
   EXPECT_NE(unknown.error().what.find("did you mean five_sensors?"), std::string::npos);

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <map>
 #include <set>
 
 #include "mien/core/files.h"
@@ -10,7 +9,7 @@
 #include "mien/study/imu/ablation/takes_stand_in.h"
 #include "tests/folder.h"
 #include "tests/project_path.h"
-#include "tests/tracker/tiny_model.h"
+#include "tests/study/imu/untrained.h"
 #include "tests/virtual/three_sensors.h"
 
 namespace mien::study::ablation_study_test {
@@ -31,30 +30,8 @@ AblationRequest small(std::vector<std::string> rows) {
   return request;
 }
 
-/// A trainer that trains nothing: models of the sensors that the data have, another for each training.
-struct Untrained {
-  std::vector<ShortTraining> asked;
-  std::map<std::string, TrainingData> data;  ///< By the training's name.
-
-  TrainShort trainer() {
-    return [this](std::span<const ShortTraining> trainings,
-                  const Progress& progress) -> Result<std::vector<ShortTrained>> {
-      std::vector<ShortTrained> out;
-      for (const ShortTraining& training : trainings) {
-        asked.push_back(training);
-        MIEN_TRY_ASSIGN(TrainingData made, training.data(progress));
-        out.push_back({tracker::test::tiny_causal_model(made.train.sensors, asked.size()),
-                       "step,seconds,windows,learning_rate,training_loss,validation_loss,validation_mse\n"
-                       "1,0.5,32,0.004,0.9,0.8,0.07\n2,1.0,64,0.004,0.5,0.6,0.05\n"});
-        data.emplace(training.name, std::move(made));
-      }
-      return out;
-    };
-  }
-};
-
 TEST(Ablation, TrainsEveryRowWithEverySeedAndTriesAllOnTheSamePeople) {
-  Untrained untrained;
+  test::Untrained untrained;
   const auto study =
       study_ablation(small({"five_sensors", "third_of_people"}), untrained.trainer(), no_progress);
   ASSERT_TRUE(study) << study.error().message();
@@ -105,7 +82,7 @@ AblationRequest of_two_sensors(const mien::test::Folder& folder, std::vector<std
 
 TEST(Ablation, RowsThatDifferInHowTheyAreAskedShareTheirNetworksAndAllIsTheSameAgain) {
   const mien::test::Folder folder;
-  Untrained one, two;
+  test::Untrained one, two;
   const AblationRequest request = of_two_sensors(folder, {"diffusion", "no_overlap"});
   const auto first = study_ablation(request, one.trainer(), no_progress);
   const auto again = study_ablation(request, two.trainer(), no_progress);
@@ -121,8 +98,20 @@ TEST(Ablation, RowsThatDifferInHowTheyAreAskedShareTheirNetworksAndAllIsTheSameA
     EXPECT_EQ(first->rows[r].on(TestSet::strangers).pve_mm, again->rows[r].on(TestSet::strangers).pve_mm);
 }
 
+TEST(Ablation, OfFewPeopleAndManySeedsTriesAsManyOfEach) {
+  // Ten people in three parts: four, three and three.
+  const mien::test::Folder folder;
+  test::Untrained untrained;
+  AblationRequest request = of_two_sensors(folder, {"third_of_people"});
+  request.seeds = 3;
+  request.data.performers = 10;
+  const auto study = study_ablation(request, untrained.trainer(), no_progress);
+  ASSERT_TRUE(study) << study.error().message();
+  for (const std::vector<double>& seed : study->rows[1].on(TestSet::seen).pve_mm) EXPECT_EQ(seed.size(), 3U);
+}
+
 TEST(Ablation, SaysWhatItCannotDo) {
-  Untrained untrained;
+  test::Untrained untrained;
   EXPECT_EQ(study_ablation(small({"six_sensors"}), untrained.trainer(), no_progress).error().code,
             ErrorCode::not_found);
   AblationRequest request = small({});

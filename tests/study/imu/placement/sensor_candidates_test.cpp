@@ -50,7 +50,7 @@ TEST(DenseCandidates, AreWhereSomethingCanBeGlued) {
   for (const SensorCandidate& candidate : *on_skin) {
     const Vec3 p = candidate.position_m;
     EXPECT_FALSE(std::abs(p.x()) < 0.022 && p.y() > -0.040 && p.y() < -0.028) << candidate.name;  // Lips.
-    EXPECT_FALSE(std::abs(std::abs(p.x()) - 0.032) < 0.008 && std::abs(p.y() - 0.036) < 0.008)
+    EXPECT_FALSE(std::abs(std::abs(p.x()) - 0.032) < 0.012 && std::abs(p.y() - 0.040) < 0.012)
         << candidate.name;  // Lids.
     EXPECT_GT(p.z(), 0.02) << candidate.name;
     EXPECT_LT(p.y(), 0.1) << candidate.name;
