@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -43,13 +44,24 @@ std::vector<std::uint32_t> outer_triangles(const face::Face& face) {
   return triangles;
 }
 
+/// Height of the jaw's edge, where the landmarks of the face's outline are (builtin_face), mm.
+double jaw_edge_y(double aside) {
+  constexpr std::array<std::array<double, 2>, 6> kEdge = {
+      {{0, -79}, {16, -77}, {31, -71}, {44, -62}, {56, -48}, {63, -28}}};
+  for (std::size_t i = 0; i + 1 < kEdge.size(); ++i)
+    if (aside < kEdge[i + 1][0])
+      return kEdge[i][1] +
+             (kEdge[i + 1][1] - kEdge[i][1]) * (aside - kEdge[i][0]) / (kEdge[i + 1][0] - kEdge[i][0]);
+  return kEdge.back()[1];
+}
+
 /// Whether skin here can carry a module, but for what stands beside it. Measures of the default head, mm.
 bool is_glueable(const Vec3& p_m, const Vec3& normal) {
   const Vec3 p = kMmPerM * p_m;
   const double aside = std::abs(p.x());
-  if (p.z() < 30 || p.y() < -78 || normal.z() < -0.1) return false;        // Back, neck.
-  if (p.y() < -45 && normal.y() < -0.6) return false;                      // Below the jaw.
-  if (builtin_face::within_hairline(p) > -kMmPerM * kFreeM) return false;  // Hair.
+  if (p.z() < 30 || p.y() < jaw_edge_y(aside) || normal.z() < -0.1) return false;  // Back, neck.
+  if (p.y() < -45 && normal.y() < -0.6) return false;                              // Below the jaw.
+  if (builtin_face::within_hairline(p) > -kMmPerM * kFreeM) return false;          // Hair.
   const double across = (aside - 32) / 23, up = (p.y() - 38) / (p.y() > 38 ? 17 : 13);
   if (p.z() > 60 && across * across + up * up < 1) return false;  // Lids, up to brow and socket's edge.
   const bool nose = aside < 20 && p.z() > 96 && p.y() > -18 && p.y() < 12;
