@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <list>
 #include <map>
 #include <optional>
 #include <span>
@@ -133,20 +134,16 @@ class ShortTrainings {
   }
 
   Result<void> collect() {
-    for (std::size_t i = 0; i < running_.size();) {
-      if (!running_[i].child.has_ended()) {
-        ++i;
+    for (auto one = running_.begin(); one != running_.end();) {
+      if (!one->child.has_ended()) {
+        ++one;
         continue;
       }
-      Running ended = std::move(running_[i]);
-      // Child cannot be assigned: the others move into a new list.
-      std::vector<Running> others;
-      for (std::size_t j = 0; j < running_.size(); ++j)
-        if (j != i) others.push_back(std::move(running_[j]));
-      running_.swap(others);
-      MIEN_TRY_ASSIGN(const ChildOutput said, ended.child.wait());
-      if (!said.succeeded()) return complain(ended.row, said);
-      if (--wanted_[ended.row.data] == 0) remove_quietly(ended.row.data);
+      const Row row = one->row;
+      MIEN_TRY_ASSIGN(const ChildOutput said, one->child.wait());
+      one = running_.erase(one);
+      if (!said.succeeded()) return complain(row, said);
+      if (--wanted_[row.data] == 0) remove_quietly(row.data);
     }
     return {};
   }
@@ -162,17 +159,12 @@ class ShortTrainings {
 
   Result<void> stop() {
     for (Running& one : running_) MIEN_TRY(one.child.stop(kPatience));  // With a checkpoint.
-    return fail(
-        ErrorCode::cancelled,
-        fmt::format("stopped after {} of {} trainings", all_ - waiting_.size() - running_.size(), all_), "",
-        "run the study again: it goes on where it was");
+    return fail(ErrorCode::cancelled, fmt::format("stopped after {} of {} trainings", ended(), all_), "",
+                "run the study again: it goes on where it was");
   }
 
-  [[nodiscard]] double share() const {
-    return all_ == 0
-               ? 1
-               : static_cast<double>(all_ - waiting_.size() - running_.size()) / static_cast<double>(all_);
-  }
+  [[nodiscard]] std::size_t ended() const { return all_ - waiting_.size() - running_.size(); }
+  [[nodiscard]] double share() const { return static_cast<double>(ended()) / static_cast<double>(all_); }
   [[nodiscard]] std::string status() const {
     std::string names;
     for (const Running& one : running_) names += (names.empty() ? "" : ", ") + one.row.training->name;
@@ -182,7 +174,7 @@ class ShortTrainings {
   const Progress& progress_;
   std::size_t all_;
   std::vector<Row> waiting_;
-  std::vector<Running> running_;
+  std::list<Running> running_;              ///< Children cannot be assigned.
   std::map<fs::path, std::size_t> wanted_;  ///< Of each file of data, who still learns from it.
 };
 

@@ -13,6 +13,7 @@
 #include "app/performance.h"
 #include "app/private_folder.h"
 #include "app/seed_option.h"
+#include "app/study/interval_json.h"
 #include "app/study/short_trainings.h"
 #include "mien/core/files.h"
 #include "mien/study/imu/ablation/ablation_report.h"
@@ -47,10 +48,6 @@ void make_quick(study::AblationRequest& request) {
     request.rows = {"five_sensors", "tenth_of_people", "takes_too", "diffusion", "no_overlap"};
 }
 
-Json to_json(const study::Interval& interval) {
-  return {{"mean", interval.mean}, {"low", interval.low}, {"high", interval.high}};
-}
-
 Json to_json(const study::AblationStudy& study, const study::AblationResult& result) {
   Json out = {{"name", result.row.name},
               {"group", result.row.group},
@@ -64,13 +61,13 @@ Json to_json(const study::AblationStudy& study, const study::AblationResult& res
     const study::RowErrors& errors = result.on(set);
     if (errors.empty()) continue;
     Json& test = out["tests"][std::string(study::ablation_test_name(set))];
-    test = {{"pve_mm", to_json(study::mean_interval(errors.pve_mm))},
-            {"lmk_mm", to_json(study::mean_interval(errors.lmk_mm))},
-            {"mse", to_json(study::mean_interval(errors.mse))},
+    test = {{"pve_mm", interval_json(study::mean_interval(errors.pve_mm))},
+            {"lmk_mm", interval_json(study::mean_interval(errors.lmk_mm))},
+            {"mse", interval_json(study::mean_interval(errors.mse))},
             {"jitter_ratio", study::mean_interval(errors.jitter).mean},
             {"pve_mm_by_seed_and_person", errors.pve_mm}};
     const std::optional<study::Interval> change = study::change_of(study, result, set);
-    test["pve_change"] = change ? to_json(*change) : Json();
+    test["pve_change"] = change ? interval_json(*change) : Json();
   }
   return out;
 }
@@ -160,8 +157,7 @@ Result<void> run_study_ablation(StudyAblationOptions options) {
       text += plain_text(table) + "\n";
   const Json json = to_json(study, options);
   MIEN_TRY(write_file(folder / "ablation.txt", text + study::ablation_legend(study) + "\n"));
-  MIEN_TRY(
-      write_file(folder / "ablation.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"));
+  MIEN_TRY(write_file(folder / "ablation.json", json_text(json)));
   MIEN_TRY_ASSIGN(const measure::Report report, study::ablation_report(study, subtitle));
   MIEN_TRY(report.write(folder / "ablation.html"));
   if (options.json) {

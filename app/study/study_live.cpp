@@ -183,7 +183,7 @@ Result<void> run_study_live(StudyLiveOptions options) {
   const std::string text = text_of(study);
   const Json json = to_json(study, options, rig);
   MIEN_TRY(write_file(folder / "live.txt", text + study::live_legend() + "\n"));
-  MIEN_TRY(write_file(folder / "live.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"));
+  MIEN_TRY(write_file(folder / "live.json", json_text(json)));
   MIEN_TRY(study::live_report(study, subtitle).write(folder / "live.html"));
   if (options.json) {
     print_json(json);

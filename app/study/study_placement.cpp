@@ -15,6 +15,7 @@
 #include "app/one_line.h"
 #include "app/private_folder.h"
 #include "app/seed_option.h"
+#include "app/study/interval_json.h"
 #include "app/study/short_trainings.h"
 #include "mien/core/files.h"
 #include "mien/core/units.h"
@@ -100,10 +101,6 @@ Json to_json(const std::vector<study::SiteMisplacement>& sites) {
   return out;
 }
 
-Json change_json(const study::Interval& interval) {
-  return {{"mean", interval.mean}, {"low", interval.low}, {"high", interval.high}};
-}
-
 Json to_json(const study::PaperAgreement& agreement) {
   return {{"areas", agreement.areas}, {"all", agreement.all}};
 }
@@ -171,10 +168,10 @@ Json to_json(const study::PlacementStudy& study, const PlacementOptions& options
   for (const study::PlacementContest& one : study.contests)
     out["contests"].push_back({{"ours", one.ours},
                                {"paper", one.paper},
-                               {"device", change_json(one.device)},
-                               {"lab", change_json(one.lab)},
-                               {"device_mse", change_json(one.device_mse)},
-                               {"lab_mse", change_json(one.lab_mse)},
+                               {"device", interval_json(one.device)},
+                               {"lab", interval_json(one.lab)},
+                               {"device_mse", interval_json(one.device_mse)},
+                               {"lab_mse", interval_json(one.lab_mse)},
                                {"verdict", one.verdict()}});
   out["candidates"] = candidates_json(study);
   return out;
@@ -260,8 +257,7 @@ Result<void> run_study_placement(PlacementOptions options) {
   const std::string text = study::placement_text(study, options.request);
   const Json json = to_json(study, options);
   MIEN_TRY(write_file(folder / "placement.txt", text));
-  MIEN_TRY(
-      write_file(folder / "placement.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"));
+  MIEN_TRY(write_file(folder / "placement.json", json_text(json)));
   MIEN_TRY(render::write_png(folder / "placement.png", study.pictures.together()));
   MIEN_TRY_ASSIGN(const measure::Report report, study::placement_report(study, options.request, subtitle));
   MIEN_TRY(report.write(folder / "placement.html"));

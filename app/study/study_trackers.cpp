@@ -274,8 +274,7 @@ Result<void> run_study_trackers(StudyTrackersOptions options) {
       const measure::Report report,
       study::trackers_report(studied.study, studied.subtitle, pictures_of(studied.study, options.face)));
   MIEN_TRY(write_file(folder / "trackers.txt", text + study::trackers_legend(studied.study) + "\n"));
-  MIEN_TRY(
-      write_file(folder / "trackers.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"));
+  MIEN_TRY(write_file(folder / "trackers.json", json_text(json)));
   MIEN_TRY(report.write(folder / "trackers.html"));
   if (options.json) {
     print_json(json);

@@ -13,6 +13,7 @@
 
 #include "mien/core/ascii.h"
 #include "mien/core/excerpt.h"
+#include "mien/study/trackers/table_lines.h"
 
 namespace mien::study {
 namespace {
@@ -21,31 +22,8 @@ using ScoreJson = nlohmann::json;
 
 /// Deeper than any result of FaceLandmarker's: landmarks of faces are five.
 constexpr int kMaxScoreDepth = 32;
-constexpr std::size_t kMaxScoreColumns = 1024;
 /// Of one face in one frame.
 constexpr std::size_t kMaxScores = 1024;
-
-std::string_view trimmed_cell(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r\"";
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-/// Cuts the first line from the text.
-std::string_view cut_line(std::string_view& text) {
-  const std::size_t at = text.find('\n');
-  const std::string_view line = text.substr(0, at);
-  text = at == std::string_view::npos ? std::string_view() : text.substr(at + 1);
-  return line;
-}
-
-std::optional<double> score_number(std::string_view cell) {
-  double value = 0;
-  const auto [end, code] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (code != std::errc{} || end != cell.data() + cell.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
 
 /// The float that is nearest to what is written: by way of a double it may be its neighbour.
 float weight_in(std::string_view cell, double value) {
@@ -168,22 +146,11 @@ struct ScoreHeader {
   std::vector<std::vector<std::size_t>> shapes;  // Of each column; empty: passed over.
 };
 
-std::vector<std::string_view> score_cells(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (cells.size() <= kMaxScoreColumns) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(trimmed_cell(line.substr(0, comma)));
-    if (comma == std::string_view::npos) break;
-    line = line.substr(comma + 1);
-  }
-  return cells;
-}
-
 Result<ScoreHeader> score_header(std::string_view line, const std::string& name, TrackerCurves& curves) {
   const std::string where = name + ", line 1";
-  const std::vector<std::string_view> cells = score_cells(line);
-  if (cells.size() > kMaxScoreColumns)
-    return fail(ErrorCode::out_of_range, fmt::format("more than {} columns", kMaxScoreColumns), where);
+  const std::vector<std::string_view> cells = table_cells(line);
+  if (cells.size() > kMaxTableColumns)
+    return fail(ErrorCode::out_of_range, fmt::format("more than {} columns", kMaxTableColumns), where);
   ScoreHeader header;
   CurveNames names;
   bool has_time = false;
@@ -220,7 +187,7 @@ Result<TrackerRow> score_row(const std::vector<std::string_view>& cells, const S
     return fail(ErrorCode::malformed,
                 fmt::format("the row has {} cells, the header {}", cells.size(), header.shapes.size()),
                 where);
-  const std::optional<double> time = score_number(cells[header.time_cell]);
+  const std::optional<double> time = number_in(cells[header.time_cell]);
   if (!time) return fail(ErrorCode::malformed, "the row has no time", where);
   TrackerRow row{.time_s = *time * header.unit_s, .weights = face::BlendshapeWeights{}};
   std::size_t scores = 0, empty = 0;
@@ -231,7 +198,7 @@ Result<TrackerRow> score_row(const std::vector<std::string_view>& cells, const S
       ++empty;
       continue;
     }
-    const std::optional<double> score = score_number(cells[c]);
+    const std::optional<double> score = number_in(cells[c]);
     if (!score || !is_score(*score)) return no_score(cells[c], fmt::format("{}, column {}", where, c + 1));
     for (const std::size_t k : header.shapes[c]) (*row.weights)[k] = weight_in(cells[c], *score);
   }
@@ -291,7 +258,7 @@ Result<TrackerCurves> parse_scores_csv(std::string_view text, const std::string&
     const std::string_view line = cut_line(text);
     if (trimmed_cell(line).empty()) continue;
     const std::string where = fmt::format("{}, line {}", name, number);
-    const Result<TrackerRow> row = score_row(score_cells(line), header, where);
+    const Result<TrackerRow> row = score_row(table_cells(line), header, where);
     if (!row) {
       if (ends || curves.rows.empty()) return std::unexpected(row.error());
       curves.warnings.push_back(fmt::format("the last row, line {}, is cut short and left out", number));

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -12,6 +11,7 @@
 #include "mien/core/ascii.h"
 #include "mien/core/bytes.h"
 #include "mien/core/excerpt.h"
+#include "mien/study/trackers/table_lines.h"
 
 namespace mien::study {
 namespace {
@@ -22,7 +22,6 @@ constexpr double kMostFeature = 100;
 constexpr std::size_t kBlockTimeAt = 0, kBlockIdAt = 8, kBlockEyesAt = 20, kBlockSuccessAt = 28;
 constexpr std::size_t kBlockFeaturesAt = kOpenSeeFaceBlockBytes - sizeof(float) * kOpenSeeFeatureCount;
 
-constexpr std::size_t kMaxLogColumns = 1024;
 /// Rows have two points more in the picture and four in space than the header names, three numbers each.
 constexpr std::size_t kUnnamedCells = 3 * 2 + 3 * 4;
 
@@ -67,38 +66,6 @@ Result<void> add_blocks(const std::vector<SeenBlock>& blocks, const char* unit, 
   return {};
 }
 
-std::string_view log_cell(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r\"";
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-std::vector<std::string_view> log_cells(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (cells.size() <= kMaxLogColumns) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(log_cell(line.substr(0, comma)));
-    if (comma == std::string_view::npos) break;
-    line = line.substr(comma + 1);
-  }
-  return cells;
-}
-
-std::string_view cut_log_line(std::string_view& text) {
-  const std::size_t at = text.find('\n');
-  const std::string_view line = text.substr(0, at);
-  text = at == std::string_view::npos ? std::string_view() : text.substr(at + 1);
-  return line;
-}
-
-std::optional<double> log_number(std::string_view cell) {
-  double value = 0;
-  const auto [end, code] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (code != std::errc{} || end != cell.data() + cell.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
 std::optional<bool> log_truth(std::string_view cell) {
   if (equal_ignoring_case(cell, "True") || cell == "1") return true;
   if (equal_ignoring_case(cell, "False") || cell == "0") return false;
@@ -113,9 +80,9 @@ struct LogHeader {
 
 Result<LogHeader> log_header(std::string_view line, const std::string& name) {
   const std::string where = name + ", line 1";
-  const std::vector<std::string_view> cells = log_cells(line);
-  if (cells.size() > kMaxLogColumns)
-    return fail(ErrorCode::out_of_range, fmt::format("more than {} columns", kMaxLogColumns), where);
+  const std::vector<std::string_view> cells = table_cells(line);
+  if (cells.size() > kMaxTableColumns)
+    return fail(ErrorCode::out_of_range, fmt::format("more than {} columns", kMaxTableColumns), where);
   LogHeader header{.columns = cells.size()};
   const std::array<std::pair<std::string_view, std::size_t*>, 5> wanted = {{{"Time", &header.time},
                                                                             {"FaceID", &header.id},
@@ -146,7 +113,7 @@ Result<SeenBlock> log_row(const std::vector<std::string_view>& cells, const LogH
                             header.columns + kUnnamedCells),
                 where);
   const auto number = [&](std::size_t c, const char* what) -> Result<double> {
-    const std::optional<double> value = log_number(cells[c]);
+    const std::optional<double> value = number_in(cells[c]);
     if (!value)
       return fail(ErrorCode::malformed, fmt::format("{} is '{}', no number", what, excerpt(cells[c])), where);
     return *value;
@@ -257,14 +224,15 @@ Result<TrackerCurves> parse_openseeface_blocks(std::span<const std::byte> bytes,
 Result<TrackerCurves> parse_openseeface_csv(std::string_view text, const std::string& name) {
   TrackerCurves curves{.name = name, .rows = {}, .told = {}, .warnings = {}};
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  MIEN_TRY_ASSIGN(const LogHeader header, log_header(cut_log_line(text), name));
+  MIEN_TRY_ASSIGN(const LogHeader header, log_header(cut_line(text), name));
   curves.told = header.features ? openseeface_told() : openseeface_lids();
   std::vector<SeenBlock> blocks;
   for (std::size_t number = 2; !text.empty(); ++number) {
     const bool ends = text.find('\n') != std::string_view::npos;
-    const std::string_view line = cut_log_line(text);
-    if (log_cell(line).empty()) continue;
-    const Result<SeenBlock> row = log_row(log_cells(line), header, fmt::format("{}, line {}", name, number));
+    const std::string_view line = cut_line(text);
+    if (trimmed_cell(line).empty()) continue;
+    const Result<SeenBlock> row =
+        log_row(table_cells(line), header, fmt::format("{}, line {}", name, number));
     if (!row) {
       if (ends || blocks.empty()) return std::unexpected(row.error());
       curves.warnings.push_back(fmt::format("the last row, line {}, is cut short and left out", number));
