@@ -11,6 +11,7 @@
 #include <cstring>
 #include <list>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -221,12 +222,13 @@ Result<void> check_same_trainer(const fs::path& folder) {
 
 }  // namespace
 
-study::TrainShort train_by_helper(fs::path folder) {
-  return [folder = std::move(folder)](std::span<const study::ShortTraining> trainings,
-                                      const Progress& progress) -> Result<std::vector<study::ShortTrained>> {
-    MIEN_TRY(make_private_folders(folder));
-    MIEN_TRY_ASSIGN(const FolderLock lock, FolderLock::take(folder));
-    MIEN_TRY(check_same_trainer(folder));
+Result<study::TrainShort> train_by_helper(const fs::path& folder) {
+  MIEN_TRY(make_private_folders(folder));
+  MIEN_TRY_ASSIGN(FolderLock taken, FolderLock::take(folder));
+  MIEN_TRY(check_same_trainer(folder));
+  return [folder, lock = std::make_shared<const FolderLock>(std::move(taken))](
+             std::span<const study::ShortTraining> trainings,
+             const Progress& progress) -> Result<std::vector<study::ShortTrained>> {
     std::vector<Row> rows;
     for (const study::ShortTraining& training : trainings) rows.push_back(row_of(training, folder));
     ShortTrainings work(rows, progress);

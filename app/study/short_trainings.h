@@ -7,11 +7,12 @@
 namespace mien::app {
 
 /// Trains by the helper mien-train, as many at once as there are cores, each with one thread. In `folder`,
-/// which is made where it is not, models stand under the training's name and a key of all that it depends on:
-/// one that stands there is not trained again, one that was stopped goes on from its checkpoint. Files of
-/// data lie there while somebody learns from them; each trainer takes about a gigabyte. Errors of what it
-/// returns: not_found (no helper), mismatch (the folder's models are of another build of the trainer), io
-/// (another study works there; the folder, a full disk; what the trainer says), cancelled.
-[[nodiscard]] study::TrainShort train_by_helper(std::filesystem::path folder);
+/// which is made where it is not and held until what is returned goes, models stand under the training's name
+/// and a key of all that it depends on: one that stands there is not trained again, one that was stopped goes
+/// on from its checkpoint. Files of data lie there while somebody learns from them; each trainer takes about
+/// a gigabyte. Errors: not_found (no helper), mismatch (the folder's models are of another build of the
+/// trainer), io (another study works there; the folder); of what it returns: io (a full disk; what the
+/// trainer says), cancelled.
+[[nodiscard]] Result<study::TrainShort> train_by_helper(const std::filesystem::path& folder);
 
 }  // namespace mien::app

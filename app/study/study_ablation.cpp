@@ -11,9 +11,9 @@
 #include "app/chosen_face.h"
 #include "app/json_output.h"
 #include "app/performance.h"
-#include "app/private_folder.h"
 #include "app/seed_option.h"
 #include "app/study/interval_json.h"
+#include "app/study/short_training_options.h"
 #include "app/study/short_trainings.h"
 #include "mien/core/files.h"
 #include "mien/study/imu/ablation/ablation_report.h"
@@ -142,11 +142,10 @@ Result<void> run_study_ablation(StudyAblationOptions options) {
     fmt::print(stderr, "mien: {}\n", sentence);
   };
   const std::filesystem::path folder = options.out;
-  MIEN_TRY(make_private_folders(folder));
+  MIEN_TRY_ASSIGN(const study::TrainShort train, train_by_helper(folder / "trainings"));
 
-  MIEN_TRY_ASSIGN(
-      const study::AblationStudy study,
-      study::study_ablation(request, train_by_helper(folder / "trainings"), terminal_progress("ablation")));
+  MIEN_TRY_ASSIGN(const study::AblationStudy study,
+                  study::study_ablation(request, train, terminal_progress("ablation")));
   clear_progress();
   const std::string subtitle =
       fmt::format("{} trainings a row of {} steps, seed {}", request.seeds, request.steps, request.seed);
@@ -183,20 +182,10 @@ void add_study_ablation(Commands& commands, Command study) {
       "Only these rows, by name, and the base: five_sensors, five_upper, no_frontalis, no_orbicularis, "
       "no_zygomaticus, no_buccinator, one_side, third_of_people, tenth_of_people, takes_alone, "
       "takes_too, transformer, diffusion, no_overlap, window_30, window_60, window_240");
-  command
-      .add_option("--seeds", request.seeds,
-                  "Trainings of each row: more narrow the intervals, and take as much longer")
-      .in_range(1, 100)
-      .show_default();
-  command.add_option("--steps", request.steps, "Steps of each training, the same for all rows")
-      .in_range(1, 1000000)
-      .show_default();
-  command.add_option("--performers", request.data.performers, "Virtual people who are trained on")
-      .in_range(10, 1000000)
-      .show_default();
-  command.add_option("--people", request.test_people, "Virtual people of each kind whom rows are tried on")
-      .in_range(1, 10000)
-      .show_default();
+  add_short_training_options(command, {.seeds = request.seeds,
+                                       .steps = request.steps,
+                                       .data = request.data,
+                                       .test_people = request.test_people});
   const Option takes = command.add_option("--takes", options->takes,
                                           "Folder of people's takes with a phone's truth, for the rows of "
                                           "takes; virtual people before virtual phones unless told");

@@ -5,17 +5,16 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <system_error>
 #include <utility>
 
-#include "app/child_program.h"
 #include "app/chosen_face.h"
 #include "app/json_output.h"
 #include "app/one_line.h"
 #include "app/private_folder.h"
 #include "app/seed_option.h"
 #include "app/study/interval_json.h"
+#include "app/study/short_training_options.h"
 #include "app/study/short_trainings.h"
 #include "mien/core/files.h"
 #include "mien/core/units.h"
@@ -42,21 +41,21 @@ struct PlacementOptions {
   bool json = false;
 };
 
-/// Less of everything, in a minute or two.
+/// Less of everything, in a minute: enough to see that it works, too little to compare anything.
 void make_quick(study::PlacementRequest& request) {
   request.paper_sites.performers = 4;
   request.skin.performers = 100;
   request.skin.seconds = 15;
-  request.picture_px = 400;
+  request.picture_px = 240;
   study::PlacementTrainingRequest& training = request.training;
-  training.seeds = 2;
-  training.steps = 30;
-  training.data.performers = 24;
+  training.seeds = std::min<std::size_t>(training.seeds, 2);
+  training.steps = std::min<std::size_t>(training.steps, 30);
+  training.data.performers = std::min(training.data.performers, 24);
   training.data.validation_performers = 2;
   training.data.seconds = 8;
   training.data.device_seconds = 8;
   training.data.device_share = 0.25;
-  training.test_people = 4;
+  training.test_people = std::min<std::size_t>(training.test_people, 4);
   training.test_seconds = 8;
 }
 
@@ -237,15 +236,16 @@ Result<void> run_study_placement(PlacementOptions options) {
   if (options.quick) make_quick(options.request);
   seed_placement(options.request);
   MIEN_TRY_ASSIGN(const study::PlacementRigs rigs, placement_rigs(options));
-  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face, face_progress(options.face)));
-  if (!options.no_training) MIEN_TRY(find_helper("mien-train"));
   const std::filesystem::path folder = options.out;
   MIEN_TRY(make_private_folders(folder));
-  std::optional<study::TrainShort> train;
-  if (!options.no_training) train = train_by_helper(folder / "trainings");
+  study::TrainShort train;
+  if (!options.no_training) {
+    MIEN_TRY_ASSIGN(train, train_by_helper(folder / "trainings"));
+  }
+  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face, face_progress(options.face)));
 
   MIEN_TRY_ASSIGN(const study::PlacementStudy study,
-                  study::study_placement(options.request, face, rigs, train ? &*train : nullptr,
+                  study::study_placement(options.request, face, rigs, train ? &train : nullptr,
                                          terminal_progress("placement")));
   clear_progress();
   std::string told;
@@ -311,7 +311,14 @@ void add_study_placement(Commands& commands, Command study) {
       command.add_option("--write-rig", options->write_rig, "Write the chosen set as a rig (.toml)");
   command.add_flag("--force", options->force, "Replace --write-rig where it exists").needs(written);
   command.add_flag("--no-training", options->no_training, "The linear bound alone: seconds, not minutes");
-  command.add_flag("--quick", options->quick, "Small trainings, for a first look");
+  command.add_flag("--quick", options->quick,
+                   "Few people and steps, in a minute: shows that it works, compares nothing");
+  study::PlacementTrainingRequest& training = request.training;
+  add_short_training_options(command, {.seeds = training.seeds,
+                                       .steps = training.steps,
+                                       .data = training.data,
+                                       .test_people = training.test_people,
+                                       .fewest_people = 2});
   add_seed_option(command, request.seed, "Of the people and the networks");
   command
       .add_option(

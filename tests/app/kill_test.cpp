@@ -13,8 +13,11 @@
 #include "mien/core/random.h"
 #include "mien/face/livelink_csv.h"
 #include "mien/model/model_file.h"
+#include "mien/sensor/rig.h"
+#include "mien/study/imu/part_rig.h"
 #include "mien/take/take.h"
 #include "tests/app/program.h"
+#include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
 
 namespace mien::app::test::kill_test {
@@ -186,26 +189,18 @@ TEST(Killed, ATrainingGoesOnFromItsLastCheckpoint) {
   std::printf("%d kills of a training\n", killed);
 }
 
-TEST(Killed, AnAblationGoesOnToTheSameFigures) {
-  if (!std::filesystem::exists(std::filesystem::path(test::program_path()).parent_path() / "mien-train"))
-    GTEST_SKIP() << "no mien-train is built beside mien";
-  const Folder folder;
-  write(folder / "rig.toml", virt::test::kRig);
-  const auto arguments = [&](const std::string& name) {
-    return std::vector<std::string>{"study",        "ablation",
-                                    "--rig",        folder / "rig.toml",
-                                    "--rows",       "third_of_people",
-                                    "--seeds",      "1",
-                                    "--steps",      "30",
-                                    "--performers", "10",
-                                    "--people",     "1",
-                                    "--no-shipped", "--out",
-                                    folder / name};
+/// A study by short trainings that is killed as soon as a training has left a file with each of `endings`,
+/// and goes on after each, ends with the `figures` of one that nobody killed, and leaves nothing half done.
+void expect_goes_on(const Folder& folder, const std::vector<std::string>& study, const std::string& figures,
+                    const char* key, const std::vector<const char*>& endings) {
+  const auto arguments = [&](const char* out) {
+    std::vector<std::string> all = study;
+    all.insert(all.end(), {"--out", folder / out});
+    return all;
   };
   const Outcome whole = run(arguments("whole"));
   ASSERT_EQ(whole.status, 0) << whole.err;
 
-  // Once in the middle of its first trainings, and once later.
   const auto has = [&](const char* ending) {
     std::error_code code;
     for (const auto& entry : std::filesystem::directory_iterator(folder / "cut/trainings", code))
@@ -214,12 +209,12 @@ TEST(Killed, AnAblationGoesOnToTheSameFigures) {
         return true;
     return false;
   };
-  for (const char* sign : {".checkpoint", ".safetensors"}) {
+  for (const char* ending : endings) {
     const pid_t process = start(arguments("cut"), folder / "out", folder / "err");
     ASSERT_GT(process, 0);
     int status = 0;
     pid_t gone = 0;
-    while (gone == 0 && !has(sign)) {
+    while (gone == 0 && !has(ending)) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
       gone = ::waitpid(process, &status, WNOHANG);
     }
@@ -229,12 +224,41 @@ TEST(Killed, AnAblationGoesOnToTheSameFigures) {
   }
   const Outcome last = run(arguments("cut"));
   ASSERT_EQ(last.status, 0) << last.err;
-  const std::string figures = content(folder / "whole/ablation.json");
-  EXPECT_NE(figures.find("pve_mm_by_seed_and_person"), std::string::npos);
-  EXPECT_EQ(content(folder / "cut/ablation.json"), figures);
+  const std::string expected = content(folder / ("whole/" + figures));
+  EXPECT_NE(expected.find(key), std::string::npos);
+  EXPECT_EQ(content(folder / ("cut/" + figures)), expected);
   EXPECT_FALSE(has(".checkpoint") || has(".part"));
   for (const auto& entry : std::filesystem::directory_iterator(folder / "cut/trainings"))
     EXPECT_FALSE(entry.path().filename().string().starts_with("data-")) << entry.path();
+}
+
+bool trainer_is_there() {
+  return std::filesystem::exists(std::filesystem::path(test::program_path()).parent_path() / "mien-train");
+}
+
+TEST(Killed, AnAblationGoesOnToTheSameFigures) {
+  if (!trainer_is_there()) GTEST_SKIP() << "no mien-train is built beside mien";
+  const Folder folder;
+  write(folder / "rig.toml", virt::test::kRig);
+  expect_goes_on(folder,
+                 {"study", "ablation", "--rig", folder / "rig.toml", "--rows", "third_of_people", "--seeds",
+                  "1", "--steps", "10", "--performers", "10", "--people", "1", "--no-shipped"},
+                 "ablation.json", "pve_mm_by_seed_and_person", {".checkpoint", ".safetensors"});
+}
+
+TEST(Killed, AStudyOfPlacementGoesOnToTheSameFigures) {
+  if (!trainer_is_there()) GTEST_SKIP() << "no mien-train is built beside mien";
+  const Folder folder;
+  // Few candidates: sets of five are trained, and no eleven.
+  const sensor::Rig few = *study::rig_with_sensors(
+      *sensor::read_rig(project_path("rigs/default.toml")),
+      std::vector<std::string>{"frontalis_R", "frontalis_L", "zygomaticus_upper_R", "zygomaticus_upper_L",
+                               "buccinator_R", "buccinator_L", "mentalis"});
+  write(folder / "rig.toml", sensor::write_rig(few));
+  expect_goes_on(folder,
+                 {"study", "placement", "--rig", folder / "rig.toml", "--sensors", "5", "--grid", "20",
+                  "--quick", "--seeds", "1", "--steps", "10", "--performers", "10", "--people", "2"},
+                 "placement.json", "greedy-five", {".checkpoint"});
 }
 
 }  // namespace

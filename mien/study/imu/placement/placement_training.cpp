@@ -27,7 +27,7 @@ Result<PlacementTests> perform_tests(const PlacementTrainingRequest& request, co
   DataRecipe recipe = request.data;
   recipe.seed = Random(request.seed).fork("placement tests").bits() >> 1U;  // A recipe's are not negative.
   recipe.performers = 0;
-  recipe.validation_performers = request.test_people;
+  recipe.validation_performers = static_cast<int>(request.test_people);
   recipe.seconds = recipe.device_seconds = request.test_seconds;
   recipe.device_long_share = 0;
   MIEN_TRY_ASSIGN(const TrainingData data, make_dataset(recipe, "builtin", rig, progress, request.threads));

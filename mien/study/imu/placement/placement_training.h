@@ -20,9 +20,9 @@ struct PlacementTrainingRequest {
   std::size_t seeds = 3;    ///< Networks of each set, 1 or more.
   std::size_t steps = 600;  ///< Of each network.
   DataRecipe data = short_data(1);
-  int test_people = 24;      ///< Whom nobody trained on, 2 or more.
-  double test_seconds = 24;  ///< Of each, in either profile.
-  unsigned threads = 0;      ///< 0: one a core.
+  std::size_t test_people = 24;  ///< Whom nobody trained on, 2 or more.
+  double test_seconds = 24;      ///< Of each, in either profile.
+  unsigned threads = 0;          ///< 0: one a core.
 };
 
 /// A set of sensors as people would wear it, with its [skin].
