@@ -272,7 +272,7 @@ std::string svg(const BarPlot& plot) {
   const double thick = lying ? std::clamp(26.0 / static_cast<double>(series), 5.0, 14.0) : 0;
   const double group_height = thick * static_cast<double>(series) + 7;
   const double height = lying ? kTop + group_height * static_cast<double>(groups) + kBottom : 260;
-  const double names = lying ? std::min(260.0, 7.6 * static_cast<double>(longest) + 16) : kLeft;
+  const double names = lying ? std::min(0.45 * kWidth, 7.0 * static_cast<double>(longest) + 16) : kLeft;
   std::string out;
   open_svg(out, height, plot.title);
   const auto bar_title = [&](const BarPlot::Group& group, std::size_t i) {

@@ -63,6 +63,7 @@ th, td { text-align: left; padding: 6px 14px 6px 0; border-bottom: 1px solid var
 th { color: var(--soft); font-weight: 500; }
 tr:last-child td { border-bottom: 0; }
 .number { text-align: right; }
+td.number { white-space: nowrap; }
 tr.strong td { font-weight: 650; }
 @media print { figure, .key { break-inside: avoid; } .hint, .readout, svg .cursor { display: none !important; } }
 )";
@@ -74,7 +75,7 @@ std::size_t width_of(const std::string& words) {
 }
 
 bool is_number(const std::string& cell) {
-  if (cell.empty() || cell == "-") return true;
+  if (cell.empty() || cell == "-" || cell == "–") return true;
   char* end = nullptr;
   std::strtod(cell.c_str(), &end);
   // A unit or a spread may follow: "0.75 mm", "0.75 ± 0.30", "12 %".

@@ -136,6 +136,12 @@ TEST(Report, StandsNumbersToTheRight) {
   EXPECT_NE(html.find("<tr class=\"strong\"><td>x"), std::string::npos);
 }
 
+TEST(Report, ADashStandsAmongNumbers) {
+  Report report("Title", "");
+  report.table({.columns = {"name", "change"}, .rows = {{"a set", "+1.2 ± 0.3 %"}, {"none", "–"}}});
+  EXPECT_NE(report.html().find("<td class=\"number\">–</td>"), std::string::npos);
+}
+
 TEST(AxisTicks, AreRoundAndInside) {
   EXPECT_EQ(axis_ticks(0, 1, 5), (std::vector<double>{0, 0.2, 0.4, 0.6000000000000001, 0.8, 1}));
   EXPECT_EQ(axis_ticks(-3, 12, 5), (std::vector<double>{-2, 0, 2, 4, 6, 8, 10, 12}));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "mien/core/units.h"
@@ -27,13 +28,7 @@ std::vector<std::string> set_cells(const PlacementRow& row) {
   return cells;
 }
 
-std::vector<std::string> misplacement_cells(const SiteMisplacement& site) {
-  return {cost_text(site.shifted), cost_text(site.shifted_known), cost_text(site.turned),
-          cost_text(site.tilted)};
-}
-
-const std::vector<std::string> kMisplacementHeads = {"5 mm off", "5 mm off, learnt",
-                                                     "10 deg about the normal", "tilted by 10 deg"};
+constexpr std::string_view kChosenSet = "the chosen set", kPaperSet = "the paper's set";
 
 std::string place_text(const Vec3& p_m) {
   return fmt::format("{:.0f} {:.0f} {:.0f}", kMmPerM * p_m.x(), kMmPerM * p_m.y(), kMmPerM * p_m.z());
@@ -42,8 +37,7 @@ std::string place_text(const Vec3& p_m) {
 std::string interval_text(const SeedFigures& figures, int decimals) {
   if (figures.empty()) return "-";
   const Interval value = mean_interval(figures);
-  return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", value.mean, decimals, value.low, decimals, value.high,
-                     decimals);
+  return fmt::format("{:.{}f} ± {:.{}f}", value.mean, decimals, 0.5 * (value.high - value.low), decimals);
 }
 
 /// What the area's sites are, as shares of their mean.
@@ -82,7 +76,7 @@ measure::LinePlot placement_curve(const PlacementStudy& study) {
   measure::LinePlot plot;
   plot.title = "What a set of sensors leaves, by how many there are";
   plot.x_label = "sensors";
-  plot.y_label = "root of the expected squared vertex error (mm)";
+  plot.y_label = "RMS vertex error (mm)";
   measure::Line greedy{.name = "greedy", .x = {}, .y = {}, .points = true};
   for (const PlacementRow& row : study.sets) {
     greedy.x.push_back(static_cast<double>(row.sensors.size()));
@@ -139,33 +133,25 @@ measure::Table placement_sets_table(const PlacementStudy& study) {
 measure::Table placement_sites_table(const PlacementStudy& study) {
   measure::Table table;
   table.caption =
-      "The chosen sensors: place on the built-in head (frame H, mm), share of the objective that "
-      "each tells alone, which shapes (share of their variance), and what misplacement costs the "
-      "whole set (RMS; mean and worst direction)";
+      "The chosen sensors: place on the built-in head (frame H, mm), share of the objective that each tells "
+      "alone, and which shapes (share of their variance)";
   table.columns = {"", "sensor", "x y z", "alone", "tells"};
-  table.columns.insert(table.columns.end(), kMisplacementHeads.begin(), kMisplacementHeads.end());
   for (std::size_t i = 0; i < study.chosen.size(); ++i) {
     const std::size_t c = study.chosen[i];
-    std::vector<std::string> cells = {fmt::format("{}", i + 1), study.candidates[c].name,
-                                      place_text(study.candidates[c].position_m),
-                                      told_percent(study.alone[c]), top_shapes(study.alone_left[c])};
-    if (i < study.misplaced.size())
-      for (std::string& cell : misplacement_cells(study.misplaced[i])) cells.push_back(std::move(cell));
-    table.rows.push_back(std::move(cells));
+    table.rows.push_back({fmt::format("{}", i + 1), study.candidates[c].name,
+                          place_text(study.candidates[c].position_m), told_percent(study.alone[c]),
+                          top_shapes(study.alone_left[c])});
   }
   return table;
 }
 
-measure::Table placement_paper_misplaced_table(const PlacementStudy& study) {
+measure::Table misplacement_table(std::string_view set, const std::vector<SiteMisplacement>& sites) {
   measure::Table table;
-  table.caption = "What misplacement of one sensor costs the paper's set (RMS; mean and worst direction)";
-  table.columns = {"sensor"};
-  table.columns.insert(table.columns.end(), kMisplacementHeads.begin(), kMisplacementHeads.end());
-  for (const SiteMisplacement& site : study.misplaced_paper) {
-    std::vector<std::string> cells = {site.sensor};
-    for (std::string& cell : misplacement_cells(site)) cells.push_back(std::move(cell));
-    table.rows.push_back(std::move(cells));
-  }
+  table.caption = fmt::format("What misplacing one sensor costs {} (RMS; mean and worst direction)", set);
+  table.columns = {"sensor", "5 mm off", "5 mm off, learnt", "10° about the normal", "tilted by 10°"};
+  for (const SiteMisplacement& site : sites)
+    table.rows.push_back({site.sensor, cost_text(site.shifted), cost_text(site.shifted_known),
+                          cost_text(site.turned), cost_text(site.tilted)});
   return table;
 }
 
@@ -237,8 +223,8 @@ measure::Table placement_trained_table(const PlacementStudy& study) {
   table.columns = {"", "sensors", "PVE device, mm", "MSE device", "PVE lab, mm", "MSE lab"};
   for (const TrainedPlacement& row : study.trained)
     table.rows.push_back({row.title, fmt::format("{}", row.sensors), interval_text(row.device_pve_mm, 3),
-                          interval_text(row.device_mse, 5), interval_text(row.lab_pve_mm, 3),
-                          interval_text(row.lab_mse, 5)});
+                          interval_text(row.device_mse, 4), interval_text(row.lab_pve_mm, 3),
+                          interval_text(row.lab_mse, 4)});
   return table;
 }
 
@@ -261,12 +247,13 @@ std::string placement_legend(const PlacementRequest& request) {
 std::string placement_text(const PlacementStudy& study, const PlacementRequest& request) {
   std::string out = plain_text(placement_sets_table(study)) + "\n" +
                     plain_text(placement_sites_table(study)) + "\n" +
+                    plain_text(misplacement_table(kChosenSet, study.misplaced)) + "\n" +
+                    plain_text(misplacement_table(kPaperSet, study.misplaced_paper)) + "\n" +
                     plain_text(placement_candidates_table(study)) + "\n" +
-                    plain_text(placement_paper_misplaced_table(study)) + "\n" +
                     plain_text(placement_paper_table(study)) + "\n" + placement_paper_words(study) + "\n\n";
   if (!study.trained.empty()) {
     out += plain_text(placement_trained_table(study)) + "\n";
-    for (const PlacementContest& one : study.contests) out += one.verdict() + ".\n";
+    for (const PlacementContest& one : study.contests) out += one.verdict() + "\n";
     out += "\n";
   }
   out += fmt::format("Left and right differ by {:.1f} % of the most that a site tells, on average.\n\n",
@@ -302,17 +289,18 @@ Result<measure::Report> placement_report(const PlacementStudy& study, const Plac
   report.plot(placement_curve(study));
   report.table(placement_sets_table(study));
   report.table(placement_sites_table(study));
+  report.table(misplacement_table(kChosenSet, study.misplaced));
+  report.table(misplacement_table(kPaperSet, study.misplaced_paper));
   if (!study.trained.empty()) {
     report.heading("By short trainings");
     report.table(placement_trained_table(study));
-    for (const PlacementContest& one : study.contests) report.text(one.verdict() + ".");
+    for (const PlacementContest& one : study.contests) report.text(one.verdict());
   }
   report.heading("The published table");
   report.table(placement_paper_table(study));
   report.text(placement_paper_words(study));
-  report.heading("Candidates and misplacement");
+  report.heading("Candidates");
   report.table(placement_candidates_table(study));
-  report.table(placement_paper_misplaced_table(study));
   report.text(placement_legend(request));
   return report;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "mien/core/error.h"
 #include "mien/measure/report.h"
@@ -11,11 +13,12 @@ namespace mien::study {
 /// Sets of each size by the linear bound, and the paper's beside them.
 [[nodiscard]] measure::Table placement_sets_table(const PlacementStudy& study);
 
-/// The chosen sensors in their order: where, what each tells alone, and what misplacing it costs.
+/// The chosen sensors in their order: where, and what each tells alone.
 [[nodiscard]] measure::Table placement_sites_table(const PlacementStudy& study);
 
-/// What misplacing each sensor of the paper's rig costs.
-[[nodiscard]] measure::Table placement_paper_misplaced_table(const PlacementStudy& study);
+/// What misplacing each sensor of a set costs; `set` names it in a sentence.
+[[nodiscard]] measure::Table misplacement_table(std::string_view set,
+                                                const std::vector<SiteMisplacement>& sites);
 
 /// The candidates that are not of the grid: each alone.
 [[nodiscard]] measure::Table placement_candidates_table(const PlacementStudy& study);

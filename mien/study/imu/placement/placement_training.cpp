@@ -111,11 +111,11 @@ std::string PlacementContest::verdict() const {
   const std::string figures =
       fmt::format("vertex error {} in device, {} in lab; squared error {} and {}", percent_of(device),
                   percent_of(lab), percent_of(device_mse), percent_of(lab_mse));
-  if (device.high < 0) return fmt::format("{} is better than {} by vertex error: {}", ours, paper, figures);
+  if (device.high < 0) return fmt::format("By vertex error {} beats {}: {}.", ours, paper, figures);
   if (device.low > 0)
-    return fmt::format("{} is better than {} by vertex error, from which {} differs by: {}", paper, ours,
-                       ours, figures);
-  return fmt::format("Neither {} nor {} is better by vertex error with 95 % confidence: {}", ours, paper,
+    return fmt::format("By vertex error {} beats {}, from which {} differs by: {}.", paper, ours, ours,
+                       figures);
+  return fmt::format("By vertex error neither {} nor {} is better with 95 % confidence: {}.", ours, paper,
                      figures);
 }
 

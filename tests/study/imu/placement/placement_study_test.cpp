@@ -88,9 +88,10 @@ TEST(Contest, NamesTheBetterOne) {
   ours.title = "greedy five";
   for (auto& seed : ours.device_pve_mm)
     for (double& pve_mm : seed) pve_mm *= 0.8;
-  EXPECT_THAT(contest(ours, paper).verdict(), testing::StartsWith("greedy five is better than the paper's"));
-  EXPECT_THAT(contest(paper, ours).verdict(), testing::StartsWith("greedy five is better"));
-  EXPECT_THAT(contest(paper, paper).verdict(), testing::StartsWith("Neither"));
+  EXPECT_THAT(contest(ours, paper).verdict(),
+              testing::StartsWith("By vertex error greedy five beats the paper's"));
+  EXPECT_THAT(contest(paper, ours).verdict(), testing::StartsWith("By vertex error greedy five beats"));
+  EXPECT_THAT(contest(paper, paper).verdict(), testing::StartsWith("By vertex error neither"));
 }
 
 TEST(TopShapes, AreThoseThatAreTold) {
