@@ -64,6 +64,7 @@ th { color: var(--soft); font-weight: 500; }
 tr:last-child td { border-bottom: 0; }
 .number { text-align: right; }
 td.number { white-space: nowrap; }
+.words { min-width: 26ch; }
 tr.strong td { font-weight: 650; }
 @media print { figure, .key { break-inside: avoid; } .hint, .readout, svg .cursor { display: none !important; } }
 )";
@@ -73,6 +74,9 @@ std::size_t width_of(const std::string& words) {
   return static_cast<std::size_t>(
       std::ranges::count_if(words, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
+
+/// Cells of more characters need room beside numbers, however narrow the page is.
+constexpr std::size_t kWidthOfSentences = 40;
 
 bool is_number(const std::string& cell) {
   if (cell.empty() || cell == "-" || cell == "–") return true;
@@ -142,9 +146,10 @@ void Report::key_figures(const std::vector<KeyFigure>& figures) {
 void Report::table(const Table& table) {
   const std::vector<bool> numbers = number_columns(table);
   const auto cell = [&](const char* kind, std::size_t c, const std::string& words) {
-    const bool right = c < numbers.size() && numbers[c];
-    return std::string("<") + kind + (right ? " class=\"number\">" : ">") + escaped(words) + "</" + kind +
-           ">";
+    const char* style = c < numbers.size() && numbers[c]      ? " class=\"number\">"
+                        : width_of(words) > kWidthOfSentences ? " class=\"words\">"
+                                                              : ">";
+    return std::string("<") + kind + style + escaped(words) + "</" + kind + ">";
   };
   body_ += "<figure>";
   if (!table.caption.empty()) body_ += "<figcaption>" + escaped(table.caption) + "</figcaption>";

@@ -18,15 +18,15 @@ constexpr std::array kShownSets = {TestSet::device, TestSet::lab, TestSet::stran
 std::string title_of(TestSet set) {
   switch (set) {
     case TestSet::device:
-      return "people like those of the training, device profile";
+      return "People like those of the training, device profile";
     case TestSet::lab:
-      return "the same people, lab profile";
+      return "The same people, lab profile";
     case TestSet::strangers:
-      return "people unlike those of the training, device profile";
+      return "People unlike those of the training, device profile";
     case TestSet::recorded:
-      return "recorded performances, device profile";
+      return "Recorded performances, device profile";
     case TestSet::seen:
-      return "people who were trained on, lab profile";
+      return "People who were trained on, lab profile";
   }
   return {};
 }
@@ -199,9 +199,9 @@ Result<measure::Report> ablation_report(const AblationStudy& study, const std::s
           {title, fmt::format("{:+.0f} %", 100 * change->mean),
            fmt::format("{:+.0f} to {:+.0f} % vertex error", 100 * change->low, 100 * change->high)});
   };
-  key("five_sensors", "five sensors instead of all");
-  key("third_of_people", "a third of the people");
-  key("diffusion", "diffusion instead of recurrent");
+  key("five_sensors", "Five sensors instead of all");
+  key("third_of_people", "A third of the people");
+  key("diffusion", "Diffusion instead of recurrent");
   report.key_figures(keys);
   if (const measure::Table paper = beside_the_paper(study); !paper.rows.empty()) {
     report.table(paper);
