@@ -5,27 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <string_view>
 #include <utility>
 
 #include "mien/core/nearest_word.h"
+#include "mien/study/imu/paper_five.h"
 
 namespace mien::study {
 namespace {
-
-/// The paper's "fewer IMU": eyebrows, jaw, cheeks (CAPUS, Evaluations on Facial Capture). Which of its two
-/// sites of the cheeks it does not say.
-struct FiveSensors {
-  const char* name;
-  const char* title;
-  std::array<const char*, 5> sensors;
-};
-constexpr std::array kPapersFive = {
-    FiveSensors{"five_sensors",
-                "the paper's five, at the lower cheeks",
-                {"frontalis_R", "frontalis_L", "zygomaticus_lower_R", "zygomaticus_lower_L", "mentalis"}},
-    FiveSensors{"five_upper",
-                "the paper's five, at the upper cheeks",
-                {"frontalis_R", "frontalis_L", "zygomaticus_upper_R", "zygomaticus_upper_L", "mentalis"}}};
 
 /// A region of muscles, as the paper divides the face, and the sites that lie there.
 struct MuscleRegion {
@@ -50,9 +37,20 @@ std::vector<std::string> kept(const sensor::Rig& rig, const IsKept& is_kept) {
   return names;
 }
 
+using FiveNames = std::array<std::string_view, 5>;
+
 class RowTable {
  public:
   explicit RowTable(const sensor::Rig& rig) : rig_(rig), all_(rig.face_sensor_names()) {}
+
+  /// A row of five sensors; none where the rig lacks one of them.
+  void add_five(std::string name, std::string title, const FiveNames& five) {
+    const auto has = [&](std::string_view sensor) { return std::ranges::find(all_, sensor) != all_.end(); };
+    if (!std::ranges::all_of(five, has)) return;
+    add_sensors(std::move(name), std::move(title), [&](const sensor::Mount& mount) {
+      return std::ranges::find(five, mount.name) != five.end();
+    });
+  }
 
   /// A row of fewer sensors; none where that leaves all of them, or none.
   void add_sensors(std::string name, std::string title, const IsKept& is_kept) {
@@ -84,11 +82,8 @@ std::vector<AblationRow> ablation_rows(const sensor::Rig& rig, bool stand_ins) {
   table.add({.name = std::string(kAblationBase),
              .group = "sensors",
              .title = fmt::format("all {} sensors, all data, recurrent", table.sensors())});
-  for (const FiveSensors& five : kPapersFive)
-    if (std::ranges::all_of(five.sensors, [&](const char* name) { return rig.find(name).has_value(); }))
-      table.add_sensors(five.name, five.title, [&](const sensor::Mount& mount) {
-        return std::ranges::find(five.sensors, mount.name) != five.sensors.end();
-      });
+  table.add_five("five_sensors", "the paper's five, at the lower cheeks", kPaperFive);
+  table.add_five("five_upper", "the paper's five, at the upper cheeks", kPaperFiveUpper);
   for (const MuscleRegion& region : kMuscleRegions)
     table.add_sensors(region.name, region.title, [&](const sensor::Mount& mount) {
       return std::ranges::find(region.sites, mount.site) == region.sites.end();

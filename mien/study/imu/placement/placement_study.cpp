@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "mien/study/imu/paper_five.h"
 #include "mien/study/imu/placement/placement_rig.h"
 #include "mien/study/part_of_work.h"
 

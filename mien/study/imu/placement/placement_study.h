@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "mien/core/error.h"
@@ -41,10 +40,6 @@ struct PlacementRigs {
   sensor::Rig paper;               ///< rigs/default.toml: the eleven that the paper uses.
   std::optional<sensor::Rig> own;  ///< One's own candidates: chosen from instead of the paper's and the grid.
 };
-
-/// The five of the paper's ablation "Fewer IMU", of the default rig: brows, cheeks, jaw.
-inline constexpr std::array<std::string_view, 5> kPaperFive = {
-    "frontalis_R", "frontalis_L", "zygomaticus_lower_R", "zygomaticus_lower_L", "mentalis"};
 
 /// One set by the linear bound.
 struct PlacementRow {
