@@ -5,9 +5,10 @@
 
 namespace mien::app {
 
-/// {"mean", "low", "high"}.
+/// {"mean", "low", "high"}; the ends null where nothing tells them.
 [[nodiscard]] inline Json interval_json(const study::Interval& of) {
-  return {{"mean", of.mean}, {"low", of.low}, {"high", of.high}};
+  const auto end = [&](double value) { return of.half() > 0 ? Json(value) : Json(); };
+  return {{"mean", of.mean}, {"low", end(of.low)}, {"high", end(of.high)}};
 }
 
 }  // namespace mien::app

@@ -49,6 +49,7 @@ void make_quick(study::AblationRequest& request) {
 }
 
 Json to_json(const study::AblationStudy& study, const study::AblationResult& result) {
+  using study::RowErrors, study::SeedFigures;
   Json out = {{"name", result.row.name},
               {"group", result.row.group},
               {"title", result.row.title},
@@ -61,13 +62,21 @@ Json to_json(const study::AblationStudy& study, const study::AblationResult& res
     const study::RowErrors& errors = result.on(set);
     if (errors.empty()) continue;
     Json& test = out["tests"][std::string(study::ablation_test_name(set))];
-    test = {{"pve_mm", interval_json(study::mean_interval(errors.pve_mm))},
-            {"lmk_mm", interval_json(study::mean_interval(errors.lmk_mm))},
-            {"mse", interval_json(study::mean_interval(errors.mse))},
+    const auto of = [&](SeedFigures RowErrors::*measure) {
+      return interval_json(study::mean_interval(study::figures_of(result, set, measure)));
+    };
+    const auto change = [&](SeedFigures RowErrors::*measure) {
+      const std::optional<study::Interval> changed = study::change_of(study, result, set, measure);
+      return changed ? interval_json(*changed) : Json();
+    };
+    test = {{"pve_mm", of(&RowErrors::pve_mm)},
+            {"lmk_mm", of(&RowErrors::lmk_mm)},
+            {"mse", of(&RowErrors::mse)},
             {"jitter_ratio", study::mean_interval(errors.jitter).mean},
-            {"pve_mm_by_seed_and_person", errors.pve_mm}};
-    const std::optional<study::Interval> change = study::change_of(study, result, set);
-    test["pve_change"] = change ? interval_json(*change) : Json();
+            {"pve_mm_by_seed_and_person", errors.pve_mm},
+            {"mse_by_seed_and_person", errors.mse},
+            {"pve_change", change(&RowErrors::pve_mm)},
+            {"mse_change", change(&RowErrors::mse)}};
   }
   return out;
 }
@@ -91,8 +100,21 @@ Json to_json(const study::AblationStudy& study, const StudyAblationOptions& opti
   return out;
 }
 
+/// What networks learn from is nothing to try them on.
+Result<void> check_not_learnt_from(const std::string& motion, const std::string& takes) {
+  if (takes.empty()) return {};
+  std::error_code code;
+  const std::filesystem::path inside =
+      std::filesystem::weakly_canonical(motion, code)
+          .lexically_relative(std::filesystem::weakly_canonical(takes, code));
+  if (inside.empty() || *inside.begin() == "..") return {};
+  return fail(ErrorCode::bad_usage, "it is among the --takes that networks learn from", motion,
+              "try them on a recording that is not");
+}
+
 Result<void> load_motions(StudyAblationOptions& options) {
   if (options.motions.empty()) return {};
+  for (const std::string& path : options.motions) MIEN_TRY(check_not_learnt_from(path, options.takes));
   MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face, face_progress(options.face)));
   for (const std::string& path : options.motions) {
     MIEN_TRY_ASSIGN(Performance performance, load_performance(path));
@@ -132,10 +154,10 @@ Result<void> run_study_ablation(StudyAblationOptions options) {
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(request.rig));
   MIEN_TRY(study::chosen_rows(rig, request.takes.empty(), request.rows));
   MIEN_TRY(find_helper("mien-train"));
+  MIEN_TRY(load_motions(options));
   if (!request.takes.empty())
     MIEN_TRY(study::read_training_takes(request.takes, request.splits, rig, request.seed,
                                         terminal_progress("takes")));
-  MIEN_TRY(load_motions(options));
   if (!options.no_shipped) MIEN_TRY(load_shipped(rig, request));
   request.tell = [](const std::string& sentence) {
     clear_progress();
@@ -181,7 +203,7 @@ void add_study_ablation(Commands& commands, Command study) {
       "--rows", request.rows,
       "Only these rows, by name, and the base: five_sensors, five_upper, no_frontalis, no_orbicularis, "
       "no_zygomaticus, no_buccinator, one_side, third_of_people, tenth_of_people, takes_alone, "
-      "takes_too, transformer, diffusion, no_overlap, window_30, window_60, window_240");
+      "takes_too, no_difference, transformer, diffusion, no_overlap, window_30, window_60, window_240");
   add_short_training_options(command, {.seeds = request.seeds,
                                        .steps = request.steps,
                                        .data = request.data,

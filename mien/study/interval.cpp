@@ -8,18 +8,17 @@
 namespace mien::study {
 namespace {
 
-struct Spread {
-  double mean = 0;
-  double of_mean = 0;  ///< Variance of the mean; 0 of one value.
-};
+double mean_of(std::span<const double> values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return sum / static_cast<double>(values.size());
+}
 
-Spread spread_of(std::span<const double> values) {
-  Spread out;
-  const auto n = static_cast<double>(values.size());
-  for (const double v : values) out.mean += v / n;
-  if (values.size() < 2) return out;
-  for (const double v : values) out.of_mean += (v - out.mean) * (v - out.mean) / (n - 1) / n;
-  return out;
+/// Times `each`, the figures that each of the means is of: the mean square of a factor.
+double mean_square(std::span<const double> means, double mean, double each) {
+  double sum = 0;
+  for (const double m : means) sum += (m - mean) * (m - mean);
+  return means.size() < 2 ? 0 : each * sum / static_cast<double>(means.size() - 1);
 }
 
 }  // namespace
@@ -42,27 +41,43 @@ double student_95(double degrees) {
 }
 
 Interval mean_interval(const SeedFigures& figures) {
-  const std::size_t people = figures.front().size();
+  const std::size_t people = figures.front().size(), seeds = figures.size();
   std::vector<double> of_people(people, 0.0), of_seeds;
   for (const std::vector<double>& seed : figures) {
-    double sum = 0;
-    for (std::size_t p = 0; p < people; ++p) {
-      of_people[p] += seed[p] / static_cast<double>(figures.size());
-      sum += seed[p];
-    }
-    of_seeds.push_back(sum / static_cast<double>(people));
+    of_seeds.push_back(mean_of(seed));
+    for (std::size_t p = 0; p < people; ++p) of_people[p] += seed[p] / static_cast<double>(seeds);
   }
-  const Spread over_people = spread_of(of_people), over_seeds = spread_of(of_seeds);
-  const double variance = over_people.of_mean + over_seeds.of_mean;
-  if (!(variance > 0)) return {over_people.mean, over_people.mean, over_people.mean};
-  // Welch and Satterthwaite.
-  const auto part = [](double of_mean, std::size_t count) {
-    return count < 2 ? 0.0 : of_mean * of_mean / static_cast<double>(count - 1);
+  const double mean = mean_of(of_seeds);
+  double residual = 0;
+  for (std::size_t s = 0; s < seeds; ++s)
+    for (std::size_t p = 0; p < people; ++p) {
+      const double one = figures[s][p] - of_seeds[s] - of_people[p] + mean;
+      residual += one * one;
+    }
+  struct MeanSquare {
+    double value;
+    double degrees;
   };
-  const double degrees =
-      variance * variance / (part(over_people.of_mean, people) + part(over_seeds.of_mean, figures.size()));
-  const double half = student_95(degrees) * std::sqrt(variance);
-  return {over_people.mean, over_people.mean - half, over_people.mean + half};
+  const double people_degrees = static_cast<double>(people) - 1,
+               seed_degrees = static_cast<double>(seeds) - 1;
+  const MeanSquare person{mean_square(of_people, mean, static_cast<double>(seeds)), people_degrees};
+  const MeanSquare seed{mean_square(of_seeds, mean, static_cast<double>(people)), seed_degrees};
+  const MeanSquare both{people_degrees * seed_degrees > 0 ? residual / (people_degrees * seed_degrees) : 0,
+                        people_degrees * seed_degrees};
+  const MeanSquare& larger = person.value > seed.value ? person : seed;
+  double square = person.value + seed.value - both.value, degrees = 0;
+  if (square > larger.value) {
+    double sum = 0;
+    for (const MeanSquare& one : {person, seed, both})
+      if (one.degrees > 0) sum += one.value * one.value / one.degrees;
+    degrees = square * square / sum;
+  } else {
+    square = larger.value;
+    degrees = larger.degrees;
+  }
+  if (!(square > 0)) return {mean, mean, mean};
+  const double half = student_95(degrees) * std::sqrt(square / static_cast<double>(people * seeds));
+  return {mean, mean - half, mean + half};
 }
 
 Interval change_interval(const SeedFigures& figures, const SeedFigures& base) {

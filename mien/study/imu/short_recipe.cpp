@@ -53,8 +53,8 @@ std::string short_recipe(const ShortRecipe& recipe, const DataRecipe& data) {
       "[validation]\nwindows = 200\nevery_steps = {}\n\n[budget]\nsteps = {}\n",
       recipe.seed, network_table(recipe), data_table(data), recurrent ? "4e-3" : "2e-3",
       kFramesAStep / recipe.window, std::min<std::size_t>(40, recipe.steps / 4),
-      recurrent ? "difference_weight = 5\n" : "", network_settings(recipe),
-      std::max<std::size_t>(1, recipe.steps / 6), recipe.steps);
+      recurrent ? fmt::format("difference_weight = {}\n", recipe.difference_weight) : "",
+      network_settings(recipe), std::max<std::size_t>(1, recipe.steps / 6), recipe.steps);
 }
 
 DataRecipe short_data(std::uint64_t seed) {

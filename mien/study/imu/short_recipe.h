@@ -21,7 +21,15 @@ struct ShortRecipe {
   std::size_t steps = 600;  ///< Optimisation steps; each sees 3,840 frames, whatever the window.
   ShortNetwork network = ShortNetwork::recurrent;
   std::size_t window = 120;  ///< Frames that are trained together: a divisor of 3,840.
+  /// Recurrent networks' alone: weight of the squared error of changes from frame to frame in the loss.
+  /// Higher: smoother, and slower to follow. 0: of the frames alone, as the others are trained.
+  double difference_weight = 5;
 };
+
+/// Of a study's trainings each its own seed, within what recipes take: 0 to 2^63 - 1.
+[[nodiscard]] constexpr std::uint64_t training_seed(std::uint64_t study_seed, std::size_t training) {
+  return (study_seed * 100 + training) & (~std::uint64_t{0} >> 1U);
+}
 
 /// As TOML, with what the data are.
 [[nodiscard]] std::string short_recipe(const ShortRecipe& recipe, const DataRecipe& data);

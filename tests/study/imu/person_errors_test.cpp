@@ -42,6 +42,19 @@ TEST(PersonErrors, AreOfTheModelsOwnAnswers) {
   EXPECT_GT((*errors)[1].lmk_mm, 1);
 }
 
+TEST(PersonErrors, AreTheSameForAnyNumberOfThreads) {
+  const model::ModelFile model = tracker::test::tiny_causal_model(kSensors);
+  const std::vector people = {someone(0), someone(0.3F), someone(0.6F), someone(1)};
+  const auto alone = errors_of_people(model, kSensors, people, meter(), WindowJoin::overlap, 1);
+  const auto together = errors_of_people(model, kSensors, people, meter(), WindowJoin::overlap, 3);
+  ASSERT_TRUE(alone && together);
+  for (std::size_t p = 0; p < people.size(); ++p) {
+    EXPECT_EQ((*alone)[p].pve_mm, (*together)[p].pve_mm);
+    EXPECT_EQ((*alone)[p].mse, (*together)[p].mse);
+    EXPECT_EQ((*alone)[p].jitter, (*together)[p].jitter);
+  }
+}
+
 TEST(PersonErrors, OfWindowsSideBySideAreThoseOfEachAlone) {
   // Windows of 16 frames: 70 frames are four of them and a short one.
   const model::ModelFile model = tracker::test::tiny_model(kSensors);

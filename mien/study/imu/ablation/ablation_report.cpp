@@ -31,20 +31,17 @@ std::string title_of(TestSet set) {
   return {};
 }
 
-double half_width(const Interval& of) {
-  return 0.5 * (of.high - of.low);
-}
-
 /// Without an interval where one figure is all there is.
-std::string percent(const Interval& change) {
-  if (!(half_width(change) > 0)) return fmt::format("{:+.1f} %", 100 * change.mean);
-  return fmt::format("{:+.1f} ± {:.1f} %", 100 * change.mean, 100 * half_width(change));
+std::string percent(const std::optional<Interval>& change) {
+  if (!change) return "–";
+  if (!(change->half() > 0)) return fmt::format("{:+.1f} %", 100 * change->mean);
+  return fmt::format("{:+.1f} ± {:.1f} %", 100 * change->mean, 100 * change->half());
 }
 
 std::string with_interval(const SeedFigures& figures) {
   const Interval of = mean_interval(figures);
-  if (!(half_width(of) > 0)) return fmt::format("{:.3f}", of.mean);
-  return fmt::format("{:.3f} ± {:.3f}", of.mean, half_width(of));
+  if (!(of.half() > 0)) return fmt::format("{:.3f}", of.mean);
+  return fmt::format("{:.3f} ± {:.3f}", of.mean, of.half());
 }
 
 const AblationResult* find_row(const AblationStudy& study, std::string_view name) {
@@ -71,12 +68,6 @@ constexpr std::array kPaperChanges = {
     PaperChange{"five_upper", 0.078 / 0.075 - 1, 0.129 / 0.126 - 1, 0.0082 / 0.0075 - 1},
     PaperChange{"third_of_people", 0.089 / 0.075 - 1, 0.150 / 0.126 - 1, 0.0093 / 0.0075 - 1}};
 
-std::optional<Interval> change_of_figures(const SeedFigures& figures, const SeedFigures& base) {
-  if (figures.size() != base.size() || base.empty() || figures.front().size() != base.front().size())
-    return std::nullopt;
-  return change_interval(figures, base);
-}
-
 measure::BarPlot changes_plot(const AblationStudy& study) {
   measure::BarPlot plot;
   plot.title = "Vertex error, people like those of the training, device profile; bars of 95 % confidence";
@@ -87,7 +78,7 @@ measure::BarPlot changes_plot(const AblationStudy& study) {
       const RowErrors& errors = row.on(TestSet::device);
       if (errors.empty()) continue;
       const Interval of = mean_interval(errors.pve_mm);
-      plot.groups.push_back({row.row.title, {of.mean}, {half_width(of)}});
+      plot.groups.push_back({row.row.title, {of.mean}, {of.half()}});
     }
   return plot;
 }
@@ -111,17 +102,22 @@ std::vector<measure::LinePlot> curve_plots(const AblationStudy& study) {
 
 }  // namespace
 
-std::optional<Interval> change_of(const AblationStudy& study, const AblationResult& row, TestSet set) {
+std::optional<Interval> change_of(const AblationStudy& study, const AblationResult& row, TestSet set,
+                                  SeedFigures RowErrors::*measure) {
   // Of those who are trained on, rows with fewer people have others.
   const bool others = set == TestSet::seen && row.row.one_in > 1;
   if (&row == study.rows.data() || row.row.group == kShippedGroup || others) return std::nullopt;
-  return change_of_figures(row.on(set).pve_mm, study.rows.front().on(set).pve_mm);
+  const SeedFigures figures = figures_of(row, set, measure),
+                    base = figures_of(study.rows.front(), set, measure);
+  if (figures.size() != base.size() || base.empty() || figures.front().size() != base.front().size())
+    return std::nullopt;
+  return change_interval(figures, base);
 }
 
 measure::Table ablation_table(const AblationStudy& study, TestSet set) {
   measure::Table table;
   table.caption = title_of(set);
-  table.columns = {"", "PVE, mm", "change of PVE", "landmarks, mm", "MSE", "jitter"};
+  table.columns = {"", "PVE, mm", "change of PVE", "landmarks, mm", "MSE", "change of MSE", "jitter"};
   std::string group;
   for (const auto* rows : {&study.rows, &study.shipped})
     for (const AblationResult& row : *rows) {
@@ -131,10 +127,11 @@ measure::Table ablation_table(const AblationStudy& study, TestSet set) {
         group = row.row.group;
         table.rows.push_back({group_title(group)});
       }
-      const std::optional<Interval> change = change_of(study, row, set);
-      table.rows.push_back({row.row.title, with_interval(errors.pve_mm), change ? percent(*change) : "–",
-                            with_interval(errors.lmk_mm),
+      const auto figures = [&](SeedFigures RowErrors::*measure) { return figures_of(row, set, measure); };
+      table.rows.push_back({row.row.title, with_interval(figures(&RowErrors::pve_mm)),
+                            percent(change_of(study, row, set)), with_interval(figures(&RowErrors::lmk_mm)),
                             fmt::format("{:.4f}", mean_interval(errors.mse).mean),
+                            percent(change_of(study, row, set, &RowErrors::mse)),
                             fmt::format("{:.2f}", mean_interval(errors.jitter).mean)});
       if (&row == study.rows.data()) table.strong_rows.push_back(table.rows.size() - 1);
     }
@@ -152,14 +149,11 @@ measure::Table beside_the_paper(const AblationStudy& study) {
     const auto share = [](double value) { return fmt::format("{:+.0f} %", 100 * value); };
     table.rows.push_back({row->row.title, "CAPUS", share(paper.pve), share(paper.lmk), share(paper.mse)});
     for (const TestSet set : {TestSet::device, TestSet::lab}) {
-      const RowErrors &figures = row->on(set), &whole = base.on(set);
-      const auto change = [](const SeedFigures& of, const SeedFigures& against) {
-        const std::optional<Interval> interval = change_of_figures(of, against);
-        return interval ? percent(*interval) : std::string("–");
+      const auto change = [&](SeedFigures RowErrors::*measure) {
+        return percent(change_of(study, *row, set, measure));
       };
       table.rows.push_back({"", set == TestSet::device ? "here, device" : "here, lab",
-                            change(figures.pve_mm, whole.pve_mm), change(figures.lmk_mm, whole.lmk_mm),
-                            change(figures.mse, whole.mse)});
+                            change(&RowErrors::pve_mm), change(&RowErrors::lmk_mm), change(&RowErrors::mse)});
     }
     if (row->row.sensors != base.row.sensors && base.bound_mse > 0)
       table.rows.push_back({"", "linear bound, one frame", share(row->bound_pve_mm / base.bound_pve_mm - 1),
@@ -171,19 +165,16 @@ measure::Table beside_the_paper(const AblationStudy& study) {
 std::string ablation_legend(const AblationStudy& study) {
   return fmt::format(
       "Every network but the shipped ones was trained for as many steps, each of as many frames. Recurrent "
-      "networks answer frame by frame; transformers see a whole window, half of it from the future, and are "
-      "not "
-      "live. Figures are means over seeds and people, with the half width of their 95 % confidence interval "
-      "(Student's t) as far as there are several of each: of shipped models people vary alone, of one "
-      "recording "
-      "seeds alone. The change is against the first row, paired by person and seed. Virtual performers: {} "
-      "people, {:.0f} minutes. Takes: {}. People unlike those of the training move as half of these "
-      "stand-ins do, "
-      "and have skin as their face's mesh has it. PVE is the mean distance of all vertices between the "
-      "captured "
-      "face and the true one; MSE is of the 53 weights; jitter is the third difference of the landmarks over "
-      "the "
-      "truth's.",
+      "networks answer frame by frame, and but for one row changes from frame to frame are in their loss; "
+      "transformers see a whole window, half of it from the future, and are not live. Figures are means over "
+      "seeds and people, with the half width of their 95 % confidence interval (Student's t) over both; of "
+      "shipped models over people, of recordings over seeds. The change is against the first row, of the "
+      "same people in the same performances and the same seeds. Fewer sensors are worn anew: where each "
+      "sits, the skin below it and its device's faults are drawn again, which widens their intervals. "
+      "Virtual performers: {} people, {:.0f} minutes. Takes: {}. People unlike those of the training move as "
+      "half of these stand-ins do, and have skin as their face's mesh has it. PVE is the mean distance of "
+      "all vertices between the captured face and the true one; MSE is of the 53 weights; jitter is the "
+      "third difference of the landmarks over the truth's.",
       study.training_people, study.training_minutes, study.takes_are);
 }
 
@@ -195,9 +186,10 @@ Result<measure::Report> ablation_report(const AblationStudy& study, const std::s
     if (row == nullptr) return;
     const std::optional<Interval> change = change_of(study, *row, TestSet::device);
     if (change)
-      keys.push_back(
-          {title, fmt::format("{:+.0f} %", 100 * change->mean),
-           fmt::format("{:+.0f} to {:+.0f} % vertex error", 100 * change->low, 100 * change->high)});
+      keys.push_back({title, fmt::format("{:+.0f} %", 100 * change->mean),
+                      change->half() > 0 ? fmt::format("{:+.0f} to {:+.0f} % vertex error", 100 * change->low,
+                                                       100 * change->high)
+                                         : "vertex error; of one figure"});
   };
   key("five_sensors", "Five sensors instead of all");
   key("third_of_people", "A third of the people");
@@ -207,8 +199,8 @@ Result<measure::Report> ablation_report(const AblationStudy& study, const std::s
     report.table(paper);
     report.text(
         "CAPUS (AAAI 2025) trained and tried on recordings of its own, which nobody else has; its changes "
-        "are "
-        "shown, since its millimetres are of another face and unit. The linear bound is what one frame of "
+        "are shown, since its millimetres are of another face and unit. The linear bound is what one frame "
+        "of "
         "orientations can tell at best, every shape independent of the others (mien study bound).");
   }
   report.bars(changes_plot(study));
@@ -231,12 +223,9 @@ Result<measure::Report> ablation_report(const AblationStudy& study, const std::s
     report.heading("Is anything learnt by heart?");
     report.text(
         "Training's loss is of augmented windows, with sensors missing now and then, and of changes from "
-        "frame to "
-        "frame as well, so the two curves are no pair of the same measure: what tells is whether the "
-        "held-out one "
-        "turns upwards. The table of people who were trained on, above, is the same measure as that of the "
-        "lab "
-        "profile.");
+        "frame to frame as well, so the two curves are no pair of the same measure: what tells is whether "
+        "the held-out one turns upwards. The table of people who were trained on, above, is the same measure "
+        "as that of the lab profile.");
     for (const measure::LinePlot& plot : curves) report.plot(plot);
   }
   return report;

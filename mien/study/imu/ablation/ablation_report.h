@@ -9,10 +9,11 @@
 
 namespace mien::study {
 
-/// How much more a row is off than the base on one test set, as a share of the base's vertex error, with 95 %
+/// How much more a row is off than the base on one test set, as a share of the base's figure, with 95 %
 /// confidence; nothing for the base itself, for a model of one training, and where it was not tried.
 [[nodiscard]] std::optional<Interval> change_of(const AblationStudy& study, const AblationResult& row,
-                                                TestSet set);
+                                                TestSet set,
+                                                SeedFigures RowErrors::*measure = &RowErrors::pve_mm);
 
 /// The rows beside each other on one test set; without rows where nobody was tried there.
 [[nodiscard]] measure::Table ablation_table(const AblationStudy& study, TestSet set);

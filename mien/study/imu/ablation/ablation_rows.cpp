@@ -102,6 +102,10 @@ std::vector<AblationRow> ablation_rows(const sensor::Rig& rig, bool stand_ins) {
              .title = stand_ins ? "performers and stand-ins for takes" : "performers and people's takes",
              .learns_from = LearnsFrom::both});
 
+  table.add({.name = "no_difference",
+             .group = "networks",
+             .title = "recurrent, by the others' loss: changes from frame to frame are not in it",
+             .difference_weight = 0});
   table.add({.name = "transformer",
              .group = "networks",
              .title = "transformer, sees 2 s at once",

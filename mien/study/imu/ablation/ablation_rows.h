@@ -32,6 +32,7 @@ struct AblationRow {
   LearnsFrom learns_from = LearnsFrom::performers;
   ShortNetwork network = ShortNetwork::recurrent;
   std::size_t window = 120;
+  double difference_weight = 5;  ///< As ShortRecipe's.
   WindowJoin join = WindowJoin::overlap;
 };
 

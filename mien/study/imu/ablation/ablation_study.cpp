@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -252,7 +253,7 @@ class AblationWork {
   /// Two rows whose networks are trained alike share them.
   static bool trained_alike(const AblationRow& a, const AblationRow& b) {
     return a.sensors == b.sensors && a.one_in == b.one_in && a.learns_from == b.learns_from &&
-           a.network == b.network && a.window == b.window;
+           a.network == b.network && a.window == b.window && a.difference_weight == b.difference_weight;
   }
 
   Result<std::vector<ShortTrained>> train_rows(const std::vector<AblationRow>& rows,
@@ -276,10 +277,11 @@ class AblationWork {
     const std::string rig_text = sensor::write_rig(rig);
     return ShortTraining{
         .name = fmt::format("{}-{}", row.name, seed + 1),
-        .recipe = short_recipe({.seed = request_.seed * 100 + seed,
+        .recipe = short_recipe({.seed = training_seed(request_.seed, seed),
                                 .steps = request_.steps,
                                 .network = row.network,
-                                .window = row.window},
+                                .window = row.window,
+                                .difference_weight = row.difference_weight},
                                request_.data),
         .rig = rig_text,
         .data_key = data_.key(row, seed),
@@ -393,6 +395,14 @@ std::string_view ablation_test_name(TestSet set) {
   constexpr std::array<std::string_view, kTestSetCount> kNames = {"device", "lab", "strangers", "recorded",
                                                                   "seen"};
   return kNames[static_cast<std::size_t>(set)];
+}
+
+SeedFigures figures_of(const AblationResult& row, TestSet set, SeedFigures RowErrors::*measure) {
+  SeedFigures figures = row.on(set).*measure;
+  if (set == TestSet::recorded)
+    for (std::vector<double>& seed : figures)
+      seed = {std::accumulate(seed.begin(), seed.end(), 0.0) / static_cast<double>(seed.size())};
+  return figures;
 }
 
 Result<AblationStudy> study_ablation(const AblationRequest& request, const TrainShort& train,

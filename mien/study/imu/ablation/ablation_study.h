@@ -56,7 +56,8 @@ struct AblationRequest {
 /// The group of models that were trained before.
 inline constexpr const char* kShippedGroup = "shipped";
 
-/// Whom networks are tried on. None of them is learnt from, but for `seen`.
+/// Whom networks are tried on. None of them is learnt from, but for `seen`; of `recorded` whoever gives the
+/// recordings sees to it.
 enum class TestSet : std::uint8_t {
   device,  ///< Virtual people like those of the training, in *device*.
   lab,     ///< The same in *lab*.
@@ -110,6 +111,10 @@ struct AblationStudy {
   std::size_t training_people = 0;  ///< Virtual performers of the base.
   double training_minutes = 0;      ///< Of theirs.
 };
+
+/// One figure of a row, as intervals are of it. Recorded performances are few and nobody drew them: their
+/// mean stands for one person, so that an interval is over seeds alone.
+[[nodiscard]] SeedFigures figures_of(const AblationResult& row, TestSet set, SeedFigures RowErrors::*measure);
 
 /// Trains every row with every seed, tries it on all test sets, and puts the bound beside it. The same
 /// request gives the same study. Errors: the rig's, chosen_rows's, the data's and the trainer's; cancelled.

@@ -2,20 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 
-#include "mien/core/time.h"
 #include "mien/study/imu/filmed_wearer.h"
 #include "mien/study/performance.h"
 #include "mien/study/performers.h"
 #include "mien/study/shifted_person.h"
+#include "mien/study/takes/recorded_take.h"
 
 namespace mien::study {
 namespace {
 
-/// Stretches of labels shorter than this are nothing to train on.
-constexpr std::size_t kShortestStretch = 2 * static_cast<std::size_t>(kFrameRateHz);
 /// Of the built-in family; far from those that other studies draw.
 constexpr std::uint64_t kFirstFace = 70'000;
 
@@ -28,7 +28,7 @@ std::vector<Sequence> labelled(const FilmedWearer& filmed, const PhoneTruth& tru
   std::vector<Sequence> out;
   Sequence stretch;
   const auto end_stretch = [&] {
-    if (stretch.frames >= kShortestStretch) out.push_back(std::move(stretch));
+    if (stretch.frames >= kShortestStretchFrames) out.push_back(std::move(stretch));
     stretch = {};
     stretch.performer = performer;
     stretch.from_take = true;
@@ -84,9 +84,19 @@ Result<StandIn> stand_in_takes(const StandInRequest& request, const Progress& pr
     Dataset& set = p % kEvery == kEvery - 1 ? out.data.validation : out.data.train;
     for (Sequence& sequence : people[p].sequences) set.sequences.push_back(std::move(sequence));
   }
-  if (out.data.train.sequences.empty())
-    return fail(ErrorCode::not_found, "no phone's time was found, so nobody is labelled", "takes",
-                "let them perform for longer");
+  std::vector<Sequence>&train = out.data.train.sequences, &validation = out.data.validation.sequences;
+  if (validation.empty() && !train.empty()) {
+    // Whoever is the last of those who are labelled.
+    const std::uint32_t last = train.back().performer;
+    const auto from = std::ranges::find(train, last, &Sequence::performer);
+    std::move(from, train.end(), std::back_inserter(validation));
+    train.erase(from, train.end());
+  }
+  if (train.empty() || validation.empty())
+    return fail(ErrorCode::not_found,
+                "the phones' time was found of fewer than two, so that nobody is left to learn from or to "
+                "validate on",
+                "takes", "let more of them perform, or for longer");
   return out;
 }
 

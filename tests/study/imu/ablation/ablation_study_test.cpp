@@ -2,14 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <set>
 
+#include "mien/builtin_face/builtin_face.h"
 #include "mien/core/files.h"
 #include "mien/study/imu/ablation/ablation_report.h"
 #include "mien/study/imu/ablation/takes_stand_in.h"
 #include "tests/folder.h"
 #include "tests/project_path.h"
 #include "tests/study/imu/untrained.h"
+#include "tests/tracker/tiny_model.h"
 #include "tests/virtual/three_sensors.h"
 
 namespace mien::study::ablation_study_test {
@@ -108,6 +112,74 @@ TEST(Ablation, OfFewPeopleAndManySeedsTriesAsManyOfEach) {
   const auto study = study_ablation(request, untrained.trainer(), no_progress);
   ASSERT_TRUE(study) << study.error().message();
   for (const std::vector<double>& seed : study->rows[1].on(TestSet::seen).pve_mm) EXPECT_EQ(seed.size(), 3U);
+}
+
+TEST(Ablation, LearnsFromStandInsAndTriesShippedModelsAndRecordings) {
+  const mien::test::Folder folder;
+  test::Untrained untrained;
+  AblationRequest request = of_two_sensors(folder, {"takes_alone", "takes_too"});
+  request.seeds = 2;
+  request.stand_ins = 3;
+  request.stand_in_seconds = 25;
+  request.shipped.push_back({"a model of before", tracker::test::tiny_causal_model({"mentalis"}, 9)});
+  for (const int frames : {150, 200})
+    request.recorded.push_back({virt::test::talking(frames), builtin_face::default_builtin()});
+  const auto study = study_ablation(request, untrained.trainer(), no_progress);
+  ASSERT_TRUE(study) << study.error().message();
+  // Three people give one to validate on, although no fifth of them is there.
+  const TrainingData &alone = untrained.data.at("takes_alone-1"), &both = untrained.data.at("takes_too-1");
+  EXPECT_FALSE(alone.validation.sequences.empty());
+  const auto of_takes = [](const Dataset& set) {
+    return std::ranges::count(set.sequences, true, &Sequence::from_take);
+  };
+  EXPECT_EQ(of_takes(alone.train), static_cast<std::ptrdiff_t>(alone.train.sequences.size()));
+  EXPECT_EQ(of_takes(both.train), of_takes(alone.train));
+  EXPECT_GT(both.train.sequences.size(), alone.train.sequences.size());
+  EXPECT_EQ(of_takes(untrained.data.at("base-1").train), 0);
+
+  ASSERT_EQ(study->shipped.size(), 1U);
+  const AblationResult& shipped = study->shipped.front();
+  EXPECT_EQ(shipped.on(TestSet::device).pve_mm.size(), 1U);
+  EXPECT_TRUE(shipped.on(TestSet::seen).empty());
+  EXPECT_FALSE(change_of(*study, shipped, TestSet::device));
+  EXPECT_TRUE(study->rows[1].on(TestSet::seen).empty()) << "it learnt from none of the performers";
+  for (const AblationResult& row : study->rows) {
+    EXPECT_EQ(row.on(TestSet::recorded).pve_mm.front().size(), 2U);
+    // Two recordings are no sample of people.
+    for (const std::vector<double>& seed : figures_of(row, TestSet::recorded, &RowErrors::pve_mm))
+      EXPECT_EQ(seed.size(), 1U);
+  }
+  EXPECT_TRUE(change_of(*study, study->rows[2], TestSet::recorded, &RowErrors::mse));
+}
+
+TEST(Ablation, DataOfTakesAreKnownByTheirFiles) {
+  const mien::test::Folder folder;
+  AblationRequest request = of_two_sensors(folder, {"takes_alone"});
+  request.takes = folder / "takes";
+  std::filesystem::create_directories(request.takes);
+  std::vector<std::vector<std::string>> keys;
+  const TrainShort asked = [&](std::span<const ShortTraining> trainings,
+                               const Progress&) -> Result<std::vector<ShortTrained>> {
+    keys.emplace_back();
+    std::vector<ShortTrained> out;
+    for (const ShortTraining& training : trainings) {
+      keys.back().push_back(training.data_key);
+      out.push_back({tracker::test::tiny_causal_model({"mentalis"}), ""});
+    }
+    return out;
+  };
+  for (const char* content : {"one", "one", "another"}) {
+    // Written once for the first two.
+    if (keys.size() != 1) {
+      ASSERT_TRUE(write_file(request.takes / "ada.mien", std::string(content)));
+    }
+    const auto study = study_ablation(request, asked, no_progress);
+    ASSERT_TRUE(study) << study.error().message();
+  }
+  ASSERT_EQ(keys[0].size(), 2U);
+  EXPECT_EQ(keys[0], keys[1]);
+  EXPECT_EQ(keys[0][0], keys[2][0]);
+  EXPECT_NE(keys[0][1], keys[2][1]);
 }
 
 TEST(Ablation, SaysWhatItCannotDo) {
