@@ -71,8 +71,7 @@ Child::Child(Child&&) noexcept = default;
 
 Child::~Child() {
   if (state_ == nullptr || state_->id <= 0) return;
-  ::kill(state_->id, SIGTERM);
-  state_->input.close();  // Whatever it waits for: it ends, and takes away what it began.
+  ask_to_stop();
   state_->output.close();
   while (::waitpid(state_->id, nullptr, 0) < 0 && errno == EINTR) {
   }
@@ -169,10 +168,15 @@ bool Child::has_ended() const {
          ended.si_pid != 0;
 }
 
+void Child::ask_to_stop() {
+  if (state_->id <= 0) return;
+  ::kill(state_->id, SIGTERM);
+  state_->input.close();  // Whatever it waits for: it ends, and takes away what it began.
+}
+
 Result<ChildOutput> Child::stop(std::chrono::milliseconds patience) {
   if (state_->id <= 0) return fail(ErrorCode::io, "it has ended already", state_->name);
-  ::kill(state_->id, SIGTERM);
-  state_->input.close();
+  ask_to_stop();
   const auto until = std::chrono::steady_clock::now() + patience;
   while (!has_ended()) {
     if (std::chrono::steady_clock::now() >= until) {

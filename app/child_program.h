@@ -50,8 +50,11 @@ class Child {
   [[nodiscard]] Result<ChildOutput> wait();
   /// Whether it has ended, so that wait() gives at once what it said.
   [[nodiscard]] bool has_ended() const;
-  /// Asks it to stop (SIGTERM, and its input's end) and waits for that. One that goes on beyond `patience` is
-  /// killed. Errors: io (it was killed, or has been waited for already).
+  /// Asks it to stop (SIGTERM, and its input's end), and does not wait for that. Nothing where it has been
+  /// waited for.
+  void ask_to_stop();
+  /// ask_to_stop(), and waits until it has. One that goes on beyond `patience` is killed. Errors: io (it was
+  /// killed, or has been waited for already).
   [[nodiscard]] Result<ChildOutput> stop(std::chrono::milliseconds patience);
 
  private:

@@ -32,8 +32,9 @@ namespace fs = std::filesystem;
 
 /// How often the helpers are looked at.
 constexpr std::chrono::milliseconds kLook(200);
-/// So long one may take to write its checkpoint when it is asked to stop.
+/// So long they may take to write their checkpoints when they are asked to stop.
 constexpr std::chrono::seconds kPatience(60);
+constexpr const char* kGoOn = "run the study again: it goes on where it was";
 
 std::string key_of(std::string_view text) {
   Sha256 hash;
@@ -74,7 +75,7 @@ class ShortTrainings {
  public:
   ShortTrainings(std::vector<Row> rows, const Progress& progress) : progress_(progress), all_(rows.size()) {
     for (Row& row : rows) {
-      if (is_there(row.model)) continue;
+      if (is_there(row.model)) continue;  // So is its curve: the trainer writes the model last.
       ++wanted_[row.data];
       waiting_.push_back(std::move(row));
     }
@@ -94,17 +95,12 @@ class ShortTrainings {
   }
 
   Result<void> run() {
-    const std::size_t workers = std::max(1U, std::thread::hardware_concurrency());
-    while (!waiting_.empty() || !running_.empty()) {
-      while (running_.size() < workers && !waiting_.empty()) {
-        MIEN_TRY(start_next());
-      }
-      std::this_thread::sleep_for(kLook);
-      // Asked first: Ctrl-C ends the helpers too, which is no error of theirs.
-      if (!progress_(share(), status())) return stop();
-      MIEN_TRY(collect());
-    }
-    return {};
+    Result<void> worked = work();
+    end_helpers();
+    if (worked || worked.error().code != ErrorCode::cancelled) return worked;
+    // One wording, whatever was at work.
+    return fail(ErrorCode::cancelled, fmt::format("stopped after {} of {} trainings", ended(), all_), "",
+                kGoOn);
   }
 
  private:
@@ -113,9 +109,23 @@ class ShortTrainings {
     Child child;
   };
 
+  Result<void> work() {
+    const std::size_t workers = std::max(1U, std::thread::hardware_concurrency());
+    while (!waiting_.empty() || !running_.empty()) {
+      while (running_.size() < workers && !waiting_.empty()) {
+        MIEN_TRY(start_next());
+      }
+      std::this_thread::sleep_for(kLook);
+      // Asked first: Ctrl-C ends the helpers too, which is no error of theirs.
+      if (!progress_(share(), status())) return fail(ErrorCode::cancelled, "stopped");
+      MIEN_TRY(collect());
+    }
+    return {};
+  }
+
+  /// It waits, and is no share of the work, until its helper has begun.
   Result<void> start_next() {
-    Row row = std::move(waiting_.back());
-    waiting_.pop_back();
+    const Row& row = waiting_.back();
     if (!is_there(row.data)) {
       MIEN_TRY_ASSIGN(
           const study::TrainingData data, row.training->data([&](double part, std::string_view what) {
@@ -130,7 +140,8 @@ class ShortTrainings {
                     start_trainer({"train", row.recipe.string(), "--out", row.model.string(), "--rig",
                                    row.rig.string(), "--data", row.data.string(), "--threads", "1",
                                    "--resume", "--parent", std::to_string(::getpid())}));
-    running_.push_back({std::move(row), std::move(child)});
+    running_.push_back({std::move(waiting_.back()), std::move(child)});
+    waiting_.pop_back();
     return {};
   }
 
@@ -155,13 +166,17 @@ class ShortTrainings {
     while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.pop_back();
     line = line.substr(line.find_last_of("\n\r") + 1);
     return fail(ErrorCode::io, line.empty() ? "the trainer stopped without a word" : line, row.training->name,
-                "run the study again: it goes on where it was");
+                kGoOn);
   }
 
-  Result<void> stop() {
-    for (Running& one : running_) MIEN_TRY(one.child.stop(kPatience));  // With a checkpoint.
-    return fail(ErrorCode::cancelled, fmt::format("stopped after {} of {} trainings", ended(), all_), "",
-                "run the study again: it goes on where it was");
+  /// Asks all before it waits for one, so that they write their checkpoints side by side. What they say of it
+  /// changes nothing.
+  void end_helpers() {
+    using Clock = std::chrono::steady_clock;
+    for (Running& one : running_) one.child.ask_to_stop();
+    const Clock::time_point until = Clock::now() + kPatience;
+    for (Running& one : running_)
+      (void)one.child.stop(std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()));
   }
 
   [[nodiscard]] std::size_t ended() const { return all_ - waiting_.size() - running_.size(); }
@@ -204,8 +219,18 @@ class FolderLock {
   int file_;
 };
 
+/// Whether a folder has models, checkpoints or data.
+bool is_begun(const fs::path& folder) {
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder, code)) {
+    const fs::path ending = entry.path().extension();
+    if (ending == ".safetensors" || ending == ".checkpoint") return true;
+  }
+  return false;
+}
+
 /// Another build of the trainer, whose simulation and training may differ, leaves models that cannot stand
-/// beside this one's.
+/// beside this one's; nor can those of which nothing says whose they are.
 Result<void> check_same_trainer(const fs::path& folder) {
   MIEN_TRY_ASSIGN(const fs::path helper, find_helper("mien-train"));
   MIEN_TRY_ASSIGN(const std::vector<std::byte> program, read_file(helper));
@@ -213,11 +238,17 @@ Result<void> check_same_trainer(const fs::path& folder) {
   hash.add(program);
   const std::string own = hash.hex() + "\n";
   const fs::path path = folder / "trainer.sha256";
-  if (!is_there(path)) return write_file(path, own);
-  MIEN_TRY_ASSIGN(const std::string standing, read_text(path));
-  if (standing == own) return {};
-  return fail(ErrorCode::mismatch, "what is trained here is of another build of the trainer", folder.string(),
-              "remove this folder to train anew, or name another --out");
+  const bool known = is_there(path);
+  if (known) {
+    MIEN_TRY_ASSIGN(const std::string standing, read_text(path));
+    if (standing == own) return {};
+  } else if (!is_begun(folder)) {
+    return write_file(path, own);
+  }
+  return fail(
+      ErrorCode::mismatch,
+      fmt::format("what is trained here is of {} build of the trainer", known ? "another" : "an unknown"),
+      folder.string(), "remove this folder to train anew, or name another --out");
 }
 
 }  // namespace

@@ -10,9 +10,9 @@ namespace mien::app {
 /// which is made where it is not and held until what is returned goes, models stand under the training's name
 /// and a key of all that it depends on: one that stands there is not trained again, one that was stopped goes
 /// on from its checkpoint. Files of data lie there while somebody learns from them; each trainer takes about
-/// a gigabyte. Errors: not_found (no helper), mismatch (the folder's models are of another build of the
-/// trainer), io (another study works there; the folder); of what it returns: io (a full disk; what the
-/// trainer says), cancelled.
+/// a gigabyte. However it ends, no trainer works on behind it. Errors: not_found (no helper), mismatch (the
+/// folder's models are of another build of the trainer, or of an unknown one), io (another study works there;
+/// the folder); of what it returns: io (a full disk; what the trainer says), cancelled.
 [[nodiscard]] Result<study::TrainShort> train_by_helper(const std::filesystem::path& folder);
 
 }  // namespace mien::app

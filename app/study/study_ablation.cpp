@@ -148,7 +148,7 @@ Result<void> run_study_ablation(StudyAblationOptions options) {
   options.rig = request.rig.string();
   request.takes = options.takes;
   request.splits = options.splits;
-  request.data.seed = request.seed;
+  request.data.seed = study::recipe_seed(request.seed);
   if (options.quick) make_quick(request);
   // Before hours of work.
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(request.rig));

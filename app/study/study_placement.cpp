@@ -36,7 +36,6 @@ struct PlacementOptions {
   std::string write_rig;
   bool force = false;
   bool no_training = false;
-  bool quick = false;
   std::string out;
   bool json = false;
 };
@@ -60,7 +59,8 @@ void make_quick(study::PlacementRequest& request) {
 }
 
 void seed_placement(study::PlacementRequest& request) {
-  request.paper_sites.seed = request.training.seed = request.training.data.seed = request.seed;
+  request.paper_sites.seed = request.training.seed = request.seed;
+  request.training.data.seed = study::recipe_seed(request.seed);
 }
 
 study::PlacementObjective objective_of(const std::string& name) {
@@ -71,7 +71,7 @@ study::PlacementObjective objective_of(const std::string& name) {
 Json to_json(const study::PlacementRow& row) {
   Json groups;
   for (std::size_t g = 0; g < study::kShapeGroups.size(); ++g)
-    groups[std::string(study::kShapeGroups[g])] = row.groups_left[g];
+    groups[std::string(study::kShapeGroups[g])] = row.group_ratios[g];
   Json left;
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
     left[std::string(face::kShapeNames[k])] = row.bound.left[k];
@@ -131,7 +131,7 @@ Json candidates_json(const study::PlacementStudy& study) {
                    {"side", std::string(1, candidate.side)},
                    {"position_m", {p.x(), p.y(), p.z()}},
                    {"alone", study.alone[i]},
-                   {"tells", study::top_shapes(study.alone_left[i])}});
+                   {"tells", study::top_shapes(study.alone_posterior[i])}});
   }
   return out;
 }
@@ -144,7 +144,7 @@ Json to_json(const study::PlacementStudy& study, const PlacementOptions& options
               {"noise_deg", options.noise_deg},
               {"grid_mm", options.grid_mm},
               {"one_sided", options.one_sided},
-              {"quick", options.quick},
+              {"quick", options.request.quick},
               {"left_right", study.left_right},
               {"paper", to_json(study.paper)},
               {"paper_five", to_json(study.paper_five)},
@@ -155,6 +155,12 @@ Json to_json(const study::PlacementStudy& study, const PlacementOptions& options
   out["misplaced"] = to_json(study.misplaced);
   out["misplaced_paper"] = to_json(study.misplaced_paper);
   out["paper_table"] = paper_json(study.paper_sites);
+  const study::PlacementTrainingRequest& training = options.request.training;
+  out["amounts"] = {{"seeds", training.seeds},
+                    {"steps", training.steps},
+                    {"performers", training.data.performers},
+                    {"test_people", training.test_people}};
+  out["not_trained"] = study.not_trained.empty() ? Json() : Json(study.not_trained);
   out["trained"] = Json::array();
   for (const study::TrainedPlacement& row : study.trained)
     out["trained"].push_back({{"name", row.name},
@@ -171,7 +177,7 @@ Json to_json(const study::PlacementStudy& study, const PlacementOptions& options
                                {"lab", interval_json(one.lab)},
                                {"device_mse", interval_json(one.device_mse)},
                                {"lab_mse", interval_json(one.lab_mse)},
-                               {"verdict", one.verdict()}});
+                               {"verdict", options.request.quick ? Json() : Json(one.verdict())}});
   out["candidates"] = candidates_json(study);
   return out;
 }
@@ -233,7 +239,7 @@ Result<void> run_study_placement(PlacementOptions options) {
   options.request.objective = objective_of(options.objective);
   options.request.settings.noise_rad = options.noise_deg * kRadPerDeg;
   options.request.settings.one_sided = options.one_sided;
-  if (options.quick) make_quick(options.request);
+  if (options.request.quick) make_quick(options.request);
   seed_placement(options.request);
   MIEN_TRY_ASSIGN(const study::PlacementRigs rigs, placement_rigs(options));
   const std::filesystem::path folder = options.out;
@@ -262,6 +268,7 @@ Result<void> run_study_placement(PlacementOptions options) {
   MIEN_TRY_ASSIGN(const measure::Report report, study::placement_report(study, options.request, subtitle));
   MIEN_TRY(report.write(folder / "placement.html"));
   if (options.json) {
+    if (!study.not_trained.empty()) fmt::print(stderr, "mien: {}\n", study.not_trained);
     fmt::print(stderr, "{}", told);
     print_json(json);
     return {};
@@ -311,7 +318,7 @@ void add_study_placement(Commands& commands, Command study) {
       command.add_option("--write-rig", options->write_rig, "Write the chosen set as a rig (.toml)");
   command.add_flag("--force", options->force, "Replace --write-rig where it exists").needs(written);
   command.add_flag("--no-training", options->no_training, "The linear bound alone: seconds, not minutes");
-  command.add_flag("--quick", options->quick,
+  command.add_flag("--quick", request.quick,
                    "Few people and steps, in a minute: shows that it works, compares nothing");
   study::PlacementTrainingRequest& training = request.training;
   add_short_training_options(command, {.seeds = training.seeds,

@@ -33,7 +33,9 @@ Result<void> write_checkpoint(const std::filesystem::path& path, const Checkpoin
                                   {"averagings", c.averagings},
                                   {"seconds", c.seconds},
                                   {"best_score", c.best_score},
-                                  {"best_step", c.best_step}}
+                                  {"best_step", c.best_step},
+                                  {"loss_sum", c.loss_sum},
+                                  {"losses", c.losses}}
                                  .dump()}};
   for (const Part& part : kParts)
     for (const model::Tensor& tensor : c.*part.tensors) {
@@ -59,6 +61,8 @@ Result<Checkpoint> read_checkpoint(const std::filesystem::path& path,
     c.seconds = state.at("seconds").get<double>();
     c.best_score = state.at("best_score").get<double>();
     c.best_step = state.at("best_step").get<std::int64_t>();
+    c.loss_sum = state.value("loss_sum", 0.0);  // Older checkpoints have neither.
+    c.losses = state.value("losses", std::int64_t{0});
   } catch (const Json::exception& error) {
     return fail(ErrorCode::malformed,
                 fmt::format("the checkpoint's state is wrong: {}", excerpt(error.what(), kComplaintLetters)),

@@ -21,7 +21,9 @@ struct Checkpoint {
   double seconds = 0;  ///< Spent in steps.
   double best_score = std::numeric_limits<double>::max();
   std::int64_t best_step = 0;
-  std::string curve;  ///< The loss curve's CSV rows so far.
+  std::string curve;        ///< The loss curve's CSV rows so far.
+  double loss_sum = 0;      ///< Of the steps since its last row, ...
+  std::int64_t losses = 0;  ///< ... and how many they are.
   /// As model::network_tensors() lists them.
   std::vector<model::Tensor> weights, adam_mean, adam_square, average, best;
 };

@@ -205,8 +205,8 @@ class Training {
                     options_.out.string(), "lower optimiser.learning_rate; the last checkpoint is sound");
       ++state_.step;
       shown_loss_ = shown_loss_ == 0 ? loss : 0.98 * shown_loss_ + 0.02 * loss;
-      loss_sum_ += loss;
-      ++loss_count_;
+      state_.loss_sum += loss;
+      ++state_.losses;
       const double at_s = now_s();
       state_.seconds += at_s - mark_s;
       const double speed = static_cast<double>(recipe_.batch) / (at_s - mark_s);
@@ -215,16 +215,14 @@ class Training {
       const bool due = recipe_.every_steps > 0
                            ? state_.step % static_cast<std::int64_t>(recipe_.every_steps) == 0
                            : at_s - last_validation_s > recipe_.every_s;
-      if (!go_on) {
-        MIEN_TRY(save());
+      const bool looks = due || fraction() >= 1;
+      // Before a stop, too: who goes on from there does not come by this step again.
+      if (looks) look(rate);
+      if (looks || !go_on) MIEN_TRY(save());
+      if (!go_on)
         return fail(ErrorCode::cancelled, fmt::format("stopped after {} steps", state_.step),
                     checkpoint_path_.string(), "go on with --resume");
-      }
-      if (due || fraction() >= 1) {
-        look(rate);
-        MIEN_TRY(save());
-        last_validation_s = now_s();
-      }
+      if (looks) last_validation_s = now_s();
       mark_s = now_s();  // Validation and checkpoint do not count as training.
     }
     return {};
@@ -253,12 +251,13 @@ class Training {
   void look(double rate) {
     const Parameters weights = averaged();
     last_score_ = validate_parts(recipe_, weights, validation_, *mixer_, *device_).whole;
-    state_.curve += fmt::format("{},{:.1f},{},{:.3g},{:.6f},{:.6f},{:.7f}\n", state_.step, state_.seconds,
-                                state_.step * static_cast<std::int64_t>(recipe_.batch), rate,
-                                loss_count_ > 0 ? loss_sum_ / static_cast<double>(loss_count_) : 0.0,
-                                last_score_->loss, last_score_->mse);
-    loss_sum_ = 0;
-    loss_count_ = 0;
+    state_.curve +=
+        fmt::format("{},{:.1f},{},{:.3g},{:.6f},{:.6f},{:.7f}\n", state_.step, state_.seconds,
+                    state_.step * static_cast<std::int64_t>(recipe_.batch), rate,
+                    state_.losses > 0 ? state_.loss_sum / static_cast<double>(state_.losses) : 0.0,
+                    last_score_->loss, last_score_->mse);
+    state_.loss_sum = 0;
+    state_.losses = 0;
     if (last_score_->by(recipe_.score) < state_.best_score) {
       state_.best_score = last_score_->by(recipe_.score);
       state_.best_step = state_.step;
@@ -300,6 +299,8 @@ class Training {
       report.replaced = false;
       report.model.replace_extension(".worse.safetensors");
     }
+    // A run that was killed behind its last checkpoint has not written it.
+    MIEN_TRY(write_file(curve_path_, state_.curve));
     MIEN_TRY(task_.write(report.model, report.results));
     std::error_code code;
     fs::remove(checkpoint_path_, code);
@@ -341,8 +342,7 @@ class Training {
   std::optional<MovingAverage> average_;
   Checkpoint state_;
   std::optional<ValidationScore> last_score_;
-  double shown_loss_ = 0, shown_speed_ = 0, loss_sum_ = 0;
-  std::int64_t loss_count_ = 0;
+  double shown_loss_ = 0, shown_speed_ = 0;
 };
 
 }  // namespace

@@ -12,8 +12,8 @@
 namespace mien::train {
 
 struct TrainOptions {
-  /// The model. While training, OUT.checkpoint stands beside it; the loss curve goes to OUT with the
-  /// extension csv.
+  /// The model, written last. While training, OUT.checkpoint stands beside it; the loss curve goes to OUT
+  /// with the extension csv, and is whole when the model is there.
   std::filesystem::path out;
   std::filesystem::path from;  ///< Begin with this model's network; empty: with weights drawn anew.
   bool resume = false;         ///< Go on from the checkpoint, if there is one.
@@ -30,9 +30,9 @@ struct TrainReport {
 
 /// Trains the task's network and writes the model.
 /// Every step depends on the recipe, the data and the step's number alone: with a budget in steps, a run that
-/// was killed and resumed ends with the same bits, on the same machine and number of threads. A stop by
-/// `progress` leaves a checkpoint. Errors: bad_usage, mismatch (data, checkpoint or model of another run),
-/// cancelled, io, internal (the loss is no longer finite).
+/// was killed and resumed ends with the same bits, and the same curve but for its seconds, on the same
+/// machine and number of threads. A stop by `progress` leaves a checkpoint. Errors: bad_usage, mismatch
+/// (data, checkpoint or model of another run), cancelled, io, internal (the loss is no longer finite).
 [[nodiscard]] Result<TrainReport> train(Task& task, const TrainOptions& options, const Progress& progress);
 
 /// Training speed on made-up windows, in windows a second, the median over `steps`.

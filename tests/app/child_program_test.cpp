@@ -60,6 +60,17 @@ TEST(Child, IsAskedToStopAndKilledWhereItGoesOn) {
   EXPECT_FALSE(goes_on->stop(std::chrono::milliseconds(50))) << "it has ended";
 }
 
+TEST(Child, IsAskedToStopBeforeItIsWaitedFor) {
+  auto child = Child::start(shell("trap 'exit 4' TERM; while :; do sleep 0.01; done"), Child::Input::none);
+  ASSERT_TRUE(child) << child.error().message();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // It has nothing to say when it is ready.
+  child->ask_to_stop();
+  const auto said = child->wait();
+  ASSERT_TRUE(said) << said.error().message();
+  EXPECT_EQ(said->status, 4);
+  child->ask_to_stop();  // It is gone; nobody else is asked in its place.
+}
+
 TEST(Child, HasNothingToReadUnlessItIsFed) {
   const auto said = run_child({"cat"});
   ASSERT_TRUE(said) << said.error().message();

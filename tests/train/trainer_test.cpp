@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "mien/core/files.h"
 #include "mien/model/model_file.h"
@@ -17,6 +18,17 @@ namespace mien::train::trainer_test {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// A curve's rows without their second cell.
+std::string without_seconds(const std::string& curve) {
+  std::string out;
+  std::istringstream lines(curve);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t step = line.find(',');
+    out += line.substr(0, step) + line.substr(line.find(',', step + 1)) + "\n";
+  }
+  return out;
+}
 
 class Trainer : public testing::Test {
  protected:
@@ -138,17 +150,23 @@ TEST_F(Trainer, ACausalNetworkResumesToTheSameBits) {
 
 TEST_F(Trainer, StoppedAndResumedEndsWithTheSameBits) {
   ASSERT_TRUE(run("straight.safetensors", 30));
-  std::size_t calls = 0;
-  const auto stopped =
-      run("resumed.safetensors", 30, false, [&](double, std::string_view) { return ++calls < 13; });
-  ASSERT_FALSE(stopped);
-  EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
-  EXPECT_FALSE(fs::exists(folder_ / "resumed.safetensors"));
-  ASSERT_FALSE(run("resumed.safetensors", 30)) << "an unfinished run is not dropped in silence";
-  const auto resumed = run("resumed.safetensors", 30, true);
-  ASSERT_TRUE(resumed) << resumed.error().message();
-  EXPECT_EQ(model::read_model(folder_ / "straight.safetensors")->network,
-            model::read_model(folder_ / "resumed.safetensors")->network);
+  // Between two validations, at one, and at the last step.
+  for (const std::size_t step : {13U, 20U, 30U}) {
+    std::size_t calls = 0;
+    const auto stopped =
+        run("resumed.safetensors", 30, false, [&](double, std::string_view) { return ++calls < step; });
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+    EXPECT_FALSE(fs::exists(folder_ / "resumed.safetensors"));
+    ASSERT_FALSE(run("resumed.safetensors", 30)) << "an unfinished run is not dropped in silence";
+    const auto resumed = run("resumed.safetensors", 30, true);
+    ASSERT_TRUE(resumed) << resumed.error().message();
+    EXPECT_EQ(model::read_model(folder_ / "straight.safetensors")->network,
+              model::read_model(folder_ / "resumed.safetensors")->network);
+    EXPECT_EQ(without_seconds(*read_text(folder_ / "straight.csv")),
+              without_seconds(*read_text(folder_ / "resumed.csv")));
+    fs::remove(folder_ / "resumed.safetensors");
+  }
 }
 
 TEST_F(Trainer, KilledAtACheckpointEndsWithTheSameBits) {
@@ -165,6 +183,32 @@ TEST_F(Trainer, KilledAtACheckpointEndsWithTheSameBits) {
   ASSERT_TRUE(run("killed.safetensors", 30, true));
   EXPECT_EQ(model::read_model(folder_ / "straight.safetensors")->network,
             model::read_model(folder_ / "killed.safetensors")->network);
+}
+
+TEST_F(Trainer, KilledBehindItsLastCheckpointLeavesTheWholeCurve) {
+  const fs::path out = folder_ / "m.safetensors", checkpoint = folder_ / "m.safetensors.checkpoint",
+                 curve = folder_ / "m.csv", kept = folder_ / "kept";
+  // The last step's stands until the model is written.
+  ASSERT_TRUE(run("m.safetensors", 30, false, [&](double, std::string_view what) {
+    if (!what.starts_with("step ") && fs::exists(checkpoint))
+      fs::copy_file(checkpoint, kept, fs::copy_options::overwrite_existing);
+    return true;
+  }));
+  ASSERT_TRUE(fs::exists(kept));
+  const std::string whole = *read_text(curve);
+  const auto straight = model::read_model(out)->network;
+  const std::string without_last_row = whole.substr(0, whole.rfind('\n', whole.size() - 2) + 1);
+  for (const std::string& left : {std::string(), without_last_row}) {
+    fs::remove(out);
+    fs::remove(curve);
+    fs::copy_file(kept, checkpoint);
+    if (!left.empty()) {
+      ASSERT_TRUE(write_file(curve, left));
+    }
+    ASSERT_TRUE(run("m.safetensors", 30, true));
+    EXPECT_EQ(*read_text(curve), whole);
+    EXPECT_EQ(model::read_model(out)->network, straight);
+  }
 }
 
 TEST_F(Trainer, ABetterModelStays) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "mien/core/units.h"
 
@@ -35,6 +36,15 @@ std::string network_settings(const ShortRecipe& recipe) {
 }
 
 }  // namespace
+
+std::uint64_t recipe_seed(std::uint64_t seed) {
+  constexpr std::uint64_t kLargest = std::numeric_limits<std::int64_t>::max();
+  return seed & kLargest;
+}
+
+std::uint64_t training_seed(std::uint64_t study_seed, std::size_t training) {
+  return recipe_seed(study_seed * 100 + training);
+}
 
 std::string data_table(const DataRecipe& data) {
   return fmt::format(

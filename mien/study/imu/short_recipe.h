@@ -26,10 +26,13 @@ struct ShortRecipe {
   double difference_weight = 5;
 };
 
-/// Of a study's trainings each its own seed, within what recipes take: 0 to 2^63 - 1.
-[[nodiscard]] constexpr std::uint64_t training_seed(std::uint64_t study_seed, std::size_t training) {
-  return (study_seed * 100 + training) & (~std::uint64_t{0} >> 1U);
-}
+/// A seed as recipes take it: TOML's integers are signed, of 64 bits. So the highest bit is left out; seeds
+/// below 2^63 stay as they are.
+[[nodiscard]] std::uint64_t recipe_seed(std::uint64_t seed);
+
+/// ShortRecipe::seed of one of a study's trainings, from 0 on: recipe_seed(100 study_seed + training), the
+/// sum modulo 2^64. Studies of neighbouring seeds share none while each has at most 100 trainings.
+[[nodiscard]] std::uint64_t training_seed(std::uint64_t study_seed, std::size_t training);
 
 /// As TOML, with what the data are.
 [[nodiscard]] std::string short_recipe(const ShortRecipe& recipe, const DataRecipe& data);

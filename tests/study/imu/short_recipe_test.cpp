@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <limits>
 #include <set>
 
 #include "mien/core/toml.h"
@@ -35,6 +37,20 @@ TEST(ShortRecipes, AreTomlAndNoTwoAlike) {
         EXPECT_EQ(batch.value_or(0) * static_cast<std::int64_t>(window), 3840);
         EXPECT_TRUE(texts.insert(text).second);
       }
+}
+
+TEST(TrainingSeed, IsWhatARecipeTakes) {
+  EXPECT_EQ(training_seed(1, 0), 100U);
+  EXPECT_EQ(training_seed(7, 2), 702U);
+  constexpr std::uint64_t kHuge = std::numeric_limits<std::uint64_t>::max();
+  EXPECT_EQ(recipe_seed(kHuge >> 1U), kHuge >> 1U);
+  DataRecipe data = short_data(recipe_seed(kHuge));
+  EXPECT_TRUE(parse_data_recipe(data_table(data), "recipe"));
+  for (const std::uint64_t seed : {kHuge, kHuge - 1, kHuge >> 1U, kHuge / 100}) {
+    const auto table = parse_toml(short_recipe({.seed = training_seed(seed, 99)}, data), "recipe");
+    ASSERT_TRUE(table) << table.error().message();
+    EXPECT_GE((*table)["seed"].value<std::int64_t>().value_or(-1), 0) << seed;
+  }
 }
 
 }  // namespace

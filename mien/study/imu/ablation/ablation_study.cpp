@@ -49,7 +49,7 @@ Result<Tested> make_tests(const AblationRequest& request, const sensor::Rig& rig
     return out.sets[static_cast<std::size_t>(which)];
   };
   DataRecipe like = request.data;
-  like.seed = request.seed + kTestSeed;
+  like.seed = recipe_seed(request.seed + kTestSeed);
   like.performers = static_cast<int>(request.test_people);
   like.validation_performers = 0;
   like.seconds = like.device_seconds = request.test_seconds;

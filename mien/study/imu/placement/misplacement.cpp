@@ -12,11 +12,12 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-MisplacementCost cost_of(const std::vector<double>& squares, double square) {
+/// Of squared errors against the one of sensors in their places.
+MisplacementCost cost_of(const std::vector<double>& squared_errors, double in_place) {
   MisplacementCost cost{.mean = 0, .worst = -1};
-  for (const double off : squares) {
-    const double more = std::sqrt(off / square) - 1;
-    cost.mean += more / static_cast<double>(squares.size());
+  for (const double squared_error : squared_errors) {
+    const double more = std::sqrt(squared_error / in_place) - 1;
+    cost.mean += more / static_cast<double>(squared_errors.size());
     cost.worst = std::max(cost.worst, more);
   }
   return cost;
@@ -37,14 +38,14 @@ std::array<Vec3, 2> in_skin(const Vec3& normal) {
 
 }  // namespace
 
-double mismatched_square(const MatrixXd& gram, const MatrixXd& believed, const MatrixXd& truth, double prior,
-                         double noise_rad) {
+double mismatched_squared_error(const MatrixXd& gram, const MatrixXd& believed, const MatrixXd& truth,
+                                double prior, double noise_rad) {
   const MatrixXd covariance = posterior_covariance(believed, prior, noise_rad);
   const MatrixXd gain = covariance * believed.transpose() / (noise_rad * noise_rad);
   const MatrixXd left = MatrixXd::Identity(covariance.rows(), covariance.cols()) - gain * truth;
   const MatrixXd error =
       prior * prior * left * left.transpose() + noise_rad * noise_rad * gain * gain.transpose();
-  return expected_square(gram, error);
+  return expected_squared_error(gram, error);
 }
 
 Result<std::vector<SiteMisplacement>> misplacement_costs(const face::Face& face,
@@ -69,12 +70,12 @@ Result<std::vector<SiteMisplacement>> misplacement_costs(const face::Face& face,
     moved.push_back(virt::rotation_slopes(there, kBoundStep));
   }
   const auto believing = [&](const MatrixXd& truth) {
-    return mismatched_square(gram, slopes, truth, settings.prior, settings.noise_rad);
+    return mismatched_squared_error(gram, slopes, truth, settings.prior, settings.noise_rad);
   };
   const auto knowing = [&](const MatrixXd& truth) {
-    return expected_square(gram, posterior_covariance(truth, settings.prior, settings.noise_rad));
+    return expected_squared_error(gram, posterior_covariance(truth, settings.prior, settings.noise_rad));
   };
-  const double square = knowing(slopes);
+  const double in_place = knowing(slopes);
 
   std::vector<SiteMisplacement> costs;
   for (std::size_t s = 0; s < set.size(); ++s) {
@@ -86,20 +87,20 @@ Result<std::vector<SiteMisplacement>> misplacement_costs(const face::Face& face,
       known.push_back(knowing(truth));
     }
     const auto [up, aside] = in_skin(sites[s].normal);
-    const auto turn_about = [&](const Vec3& axis, std::vector<double>& squares) {
+    const auto turn_about = [&](const Vec3& axis, std::vector<double>& squared_errors) {
       for (const double angle : {request.turn_rad, -request.turn_rad}) {
         const Mat3 turn = exp_rotation(angle * axis).toRotationMatrix();
-        squares.push_back(believing(with_rows(slopes, s, turn * slopes.middleRows(row, 3))));
+        squared_errors.push_back(believing(with_rows(slopes, s, turn * slopes.middleRows(row, 3))));
       }
     };
     turn_about(sites[s].normal, turned);
     turn_about(up, tilted);
     turn_about(aside, tilted);
     costs.push_back({.sensor = set[s].name,
-                     .shifted = cost_of(shifted, square),
-                     .shifted_known = cost_of(known, square),
-                     .turned = cost_of(turned, square),
-                     .tilted = cost_of(tilted, square)});
+                     .shifted = cost_of(shifted, in_place),
+                     .shifted_known = cost_of(known, in_place),
+                     .turned = cost_of(turned, in_place),
+                     .tilted = cost_of(tilted, in_place)});
   }
   return costs;
 }

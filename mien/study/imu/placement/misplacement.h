@@ -35,8 +35,8 @@ struct SiteMisplacement {
 
 /// tr(G E) of a linear estimate that believes in slopes H while H' is true: K the gain of H,
 /// E = (I - K H') P (I - K H')^T + noise^2 K K^T, P = prior^2 I. With H' = H it is tr(G C).
-[[nodiscard]] double mismatched_square(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& believed,
-                                       const Eigen::MatrixXd& truth, double prior, double noise_rad);
+[[nodiscard]] double mismatched_squared_error(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& believed,
+                                              const Eigen::MatrixXd& truth, double prior, double noise_rad);
 
 /// Of each sensor of a set, worn on this face. The sensor's own axes may lie as they will: its neutral takes
 /// them out exactly (docs/method/calibration.md); what is turned here is the skin. Errors: those of

@@ -43,8 +43,8 @@ struct PlacementSearch {
   [[nodiscard]] std::vector<double> gains(const std::vector<SiteGroup>& groups,
                                           const PlacementSet& set) const {
     // h C and h C G C of all candidates at once.
-    const MatrixXd told = slopes * set.covariance;
-    const MatrixXd worth = told * (gram * set.covariance);
+    const MatrixXd h_c = slopes * set.covariance;
+    const MatrixXd h_cgc = h_c * (gram * set.covariance);
     const double noise = settings.noise_rad * settings.noise_rad;
     std::vector<double> out;
     for (const SiteGroup& group : groups) {
@@ -53,25 +53,25 @@ struct PlacementSearch {
         continue;
       }
       const auto size = 3 * static_cast<Index>(group.size());
-      MatrixXd sight(size, size), gain(size, size);
+      MatrixXd innovation(size, size), gain(size, size);  // h C h^T + noise^2 I, h C G C h^T.
       for (std::size_t a = 0; a < group.size(); ++a)
         for (std::size_t b = 0; b < group.size(); ++b) {
           const auto h_b = slopes.middleRows(3 * static_cast<Index>(group[b]), 3).transpose();
           const auto row = 3 * static_cast<Index>(a), column = 3 * static_cast<Index>(b);
-          sight.block<3, 3>(row, column) = told.middleRows(3 * static_cast<Index>(group[a]), 3) * h_b;
-          gain.block<3, 3>(row, column) = worth.middleRows(3 * static_cast<Index>(group[a]), 3) * h_b;
+          innovation.block<3, 3>(row, column) = h_c.middleRows(3 * static_cast<Index>(group[a]), 3) * h_b;
+          gain.block<3, 3>(row, column) = h_cgc.middleRows(3 * static_cast<Index>(group[a]), 3) * h_b;
         }
-      sight.diagonal().array() += noise;
-      out.push_back(sight.llt().solve(gain).trace());
+      innovation.diagonal().array() += noise;
+      out.push_back(innovation.llt().solve(gain).trace());
     }
     return out;
   }
 
   void add(const SiteGroup& group, PlacementSet& set) const {
     set.before = set.chosen.size();
-    set.covariance = told_also(set.covariance, rows_of(slopes, group), settings.noise_rad);
+    set.covariance = posterior_with(set.covariance, rows_of(slopes, group), settings.noise_rad);
     set.chosen.insert(set.chosen.end(), group.begin(), group.end());
-    set.square = expected_square(gram, set.covariance);
+    set.squared_error = expected_squared_error(gram, set.covariance);
   }
 
   /// Adds the best of the groups; false where none has room.
@@ -84,10 +84,10 @@ struct PlacementSearch {
     return true;
   }
 
-  [[nodiscard]] PlacementSet nothing() const {
+  [[nodiscard]] PlacementSet no_sensor() const {
     PlacementSet set;
-    set.covariance = MatrixXd::Identity(kPlacementShapes, kPlacementShapes) * std::pow(settings.prior, 2);
-    set.square = expected_square(gram, set.covariance);
+    set.covariance = prior_covariance(settings.prior);
+    set.squared_error = expected_squared_error(gram, set.covariance);
     return set;
   }
 };
@@ -96,7 +96,7 @@ std::vector<PlacementSet> search_one_sided(const PlacementSearch& search) {
   std::vector<SiteGroup> groups;
   for (std::size_t i = 0; i < search.candidates.size(); ++i) groups.push_back({i});
   std::vector<PlacementSet> sets;
-  PlacementSet set = search.nothing();
+  PlacementSet set = search.no_sensor();
   while (set.chosen.size() < search.settings.most && search.add_best(groups, set)) sets.push_back(set);
   return sets;
 }
@@ -108,7 +108,7 @@ std::vector<std::optional<PlacementSet>> search_pairs(const PlacementSearch& sea
                                                       const std::vector<SiteGroup>& singles,
                                                       std::size_t middle) {
   std::vector<std::optional<PlacementSet>> sets;
-  PlacementSet set = search.nothing();
+  PlacementSet set = search.no_sensor();
   std::size_t in_middle = 0;
   for (std::size_t pair = 0; 2 * pair + middle <= search.settings.most; ++pair) {
     if (pair > 0) {
@@ -157,7 +157,7 @@ Result<std::vector<PlacementSet>> search_symmetric(const PlacementSearch& search
     for (std::optional<PlacementSet>& set : search_pairs(search, pairs, singles, middle)) {
       if (!set || set->chosen.empty()) continue;
       std::optional<PlacementSet>& place = best[set->chosen.size()];
-      if (!place || set->square < place->square) place = std::move(set);
+      if (!place || set->squared_error < place->squared_error) place = std::move(set);
     }
   std::vector<PlacementSet> sets;
   for (std::optional<PlacementSet>& set : best)
@@ -212,39 +212,43 @@ MatrixXd placement_gram(const face::Face& face, PlacementObjective objective) {
   return gram;
 }
 
-double expected_square(const MatrixXd& gram, const MatrixXd& covariance) {
+MatrixXd prior_covariance(double prior) {
+  return MatrixXd::Identity(kPlacementShapes, kPlacementShapes) * (prior * prior);
+}
+
+double expected_squared_error(const MatrixXd& gram, const MatrixXd& covariance) {
   return gram.cwiseProduct(covariance).sum();  // Both are symmetric.
 }
 
-MatrixXd told_also(const MatrixXd& covariance, const MatrixXd& rows, double noise_rad) {
-  const MatrixXd told = rows * covariance;
-  MatrixXd sight = told * rows.transpose();
-  sight.diagonal().array() += noise_rad * noise_rad;
-  const MatrixXd next = covariance - told.transpose() * sight.llt().solve(told);
+MatrixXd posterior_with(const MatrixXd& covariance, const MatrixXd& rows, double noise_rad) {
+  const MatrixXd h_c = rows * covariance;
+  MatrixXd innovation = h_c * rows.transpose();
+  innovation.diagonal().array() += noise_rad * noise_rad;
+  const MatrixXd next = covariance - h_c.transpose() * innovation.llt().solve(h_c);
   return (next + next.transpose()) / 2;
 }
 
-std::vector<double> share_told(const MatrixXd& gram, const MatrixXd& covariance, const MatrixXd& slopes,
-                               double noise_rad) {
-  const MatrixXd told = slopes * covariance;
-  const MatrixXd worth = told * (gram * covariance);
-  const double square = expected_square(gram, covariance);
-  std::vector<double> shares;
+std::vector<double> error_reductions(const MatrixXd& gram, const MatrixXd& covariance, const MatrixXd& slopes,
+                                     double noise_rad) {
+  const MatrixXd h_c = slopes * covariance;
+  const MatrixXd h_cgc = h_c * (gram * covariance);
+  const double squared_error = expected_squared_error(gram, covariance);
+  std::vector<double> reductions;
   for (Index row = 0; row + 2 < slopes.rows(); row += 3) {
     const auto h = slopes.middleRows<3>(row).transpose();
-    Mat3 sight = told.middleRows<3>(row) * h;
-    sight.diagonal().array() += noise_rad * noise_rad;
-    const Mat3 gain = worth.middleRows<3>(row) * h;
-    shares.push_back(sight.llt().solve(gain).trace() / square);
+    Mat3 innovation = h_c.middleRows<3>(row) * h;
+    innovation.diagonal().array() += noise_rad * noise_rad;
+    const Mat3 gain = h_cgc.middleRows<3>(row) * h;
+    reductions.push_back(innovation.llt().solve(gain).trace() / squared_error);
   }
-  return shares;
+  return reductions;
 }
 
-ShapesLeft shapes_left(const MatrixXd& covariance, double prior) {
-  ShapesLeft left{};
-  for (std::size_t k = 0; k < left.size(); ++k)
-    left[k] = std::sqrt(std::max(0.0, covariance(static_cast<Index>(k), static_cast<Index>(k)))) / prior;
-  return left;
+PosteriorOverPrior posterior_over_prior(const MatrixXd& covariance, double prior) {
+  PosteriorOverPrior ratios{};
+  for (std::size_t k = 0; k < ratios.size(); ++k)
+    ratios[k] = std::sqrt(std::max(0.0, covariance(static_cast<Index>(k), static_cast<Index>(k)))) / prior;
+  return ratios;
 }
 
 const PlacementSet* PlacementBound::of_size(std::size_t sensors) const {
@@ -257,14 +261,7 @@ Result<PlacementBound> bound_placement(const std::vector<SensorCandidate>& candi
                                        const MatrixXd& gram, const PlacementSettings& settings) {
   if (candidates.empty()) return fail(ErrorCode::bad_usage, "there is no candidate for a sensor");
   const PlacementSearch search{candidates, slopes, gram, settings};
-  const PlacementSet nothing = search.nothing();
   PlacementBound bound;
-  bound.square_before = nothing.square;
-  bound.alone = share_told(gram, nothing.covariance, slopes, settings.noise_rad);
-  for (std::size_t i = 0; i < candidates.size(); ++i)
-    bound.alone_left.push_back(shapes_left(
-        told_also(nothing.covariance, slopes.middleRows(3 * static_cast<Index>(i), 3), settings.noise_rad),
-        settings.prior));
   if (settings.one_sided) {
     bound.sets = search_one_sided(search);
     return bound;

@@ -24,7 +24,7 @@ std::vector<std::string> set_cells(const PlacementRow& row) {
   std::vector<std::string> cells = {row.title, fmt::format("{:.3f}", row.rms_vertex_mm),
                                     fmt::format("{:.3f}", row.bound.pve_mm.mean),
                                     fmt::format("{:.5f}", row.bound.mse)};
-  for (const double left : row.groups_left) cells.push_back(fmt::format("{:.2f}", left));
+  for (const double ratio : row.group_ratios) cells.push_back(fmt::format("{:.2f}", ratio));
   return cells;
 }
 
@@ -140,7 +140,7 @@ measure::Table placement_sites_table(const PlacementStudy& study) {
     const std::size_t c = study.chosen[i];
     table.rows.push_back({fmt::format("{}", i + 1), study.candidates[c].name,
                           place_text(study.candidates[c].position_m), told_percent(study.alone[c]),
-                          top_shapes(study.alone_left[c])});
+                          top_shapes(study.alone_posterior[c])});
   }
   return table;
 }
@@ -162,7 +162,7 @@ measure::Table placement_candidates_table(const PlacementStudy& study) {
   for (std::size_t i = 0; i < study.grid_begin; ++i)
     table.rows.push_back({study.candidates[i].name, study.candidates[i].area,
                           place_text(study.candidates[i].position_m), told_percent(study.alone[i]),
-                          top_shapes(study.alone_left[i])});
+                          top_shapes(study.alone_posterior[i])});
   return table;
 }
 
@@ -217,15 +217,29 @@ std::string placement_paper_words(const PlacementStudy& study) {
          "order of four or five says little.";
 }
 
-measure::Table placement_trained_table(const PlacementStudy& study) {
+measure::Table placement_trained_table(const PlacementStudy& study, const PlacementTrainingRequest& request) {
   measure::Table table;
-  table.caption = "Networks with the same budget, on people whom nobody trained on: mean, 95 % interval";
+  table.caption = fmt::format(
+      "Networks with the same budget (trainings a set: {}; steps of each: {}; virtual performers: {}), on {} "
+      "people whom nobody trained on: mean, 95 % interval",
+      request.seeds, request.steps, request.data.performers, request.test_people);
   table.columns = {"", "sensors", "PVE device, mm", "MSE device", "PVE lab, mm", "MSE lab"};
   for (const TrainedPlacement& row : study.trained)
     table.rows.push_back({row.title, fmt::format("{}", row.sensors), interval_text(row.device_pve_mm, 3),
                           interval_text(row.device_mse, 4), interval_text(row.lab_pve_mm, 3),
                           interval_text(row.lab_mse, 4)});
   return table;
+}
+
+std::vector<std::string> placement_verdicts(const PlacementStudy& study, const PlacementRequest& request) {
+  std::vector<std::string> words;
+  if (request.quick && !study.contests.empty()) {
+    words.emplace_back("Trainings so short and people so few show that it works, and compare nothing.");
+  } else {
+    for (const PlacementContest& one : study.contests) words.push_back(one.verdict());
+  }
+  if (!study.not_trained.empty()) words.push_back(study.not_trained);
+  return words;
 }
 
 std::string placement_legend(const PlacementRequest& request) {
@@ -251,11 +265,10 @@ std::string placement_text(const PlacementStudy& study, const PlacementRequest& 
                     plain_text(misplacement_table(kPaperSet, study.misplaced_paper)) + "\n" +
                     plain_text(placement_candidates_table(study)) + "\n" +
                     plain_text(placement_paper_table(study)) + "\n" + placement_paper_words(study) + "\n\n";
-  if (!study.trained.empty()) {
-    out += plain_text(placement_trained_table(study)) + "\n";
-    for (const PlacementContest& one : study.contests) out += one.verdict() + "\n";
-    out += "\n";
-  }
+  if (!study.trained.empty()) out += plain_text(placement_trained_table(study, request.training)) + "\n";
+  const std::vector<std::string> verdicts = placement_verdicts(study, request);
+  for (const std::string& sentence : verdicts) out += sentence + "\n";
+  if (!verdicts.empty()) out += "\n";
   out += fmt::format("Left and right differ by {:.1f} % of the most that a site tells, on average.\n\n",
                      100 * study.left_right);
   return out + placement_legend(request) + "\n";
@@ -272,11 +285,12 @@ Result<measure::Report> placement_report(const PlacementStudy& study, const Plac
     figures.push_back({fmt::format("Greedy {}, by the bound", same->sensors.size()),
                        fmt::format("{:.3f} mm", same->rms_vertex_mm),
                        fmt::format("the paper's {:.3f}", study.paper.rms_vertex_mm)});
-  for (const PlacementContest& one : study.contests)
-    figures.push_back({fmt::format("{} against {}", one.ours, one.paper),
-                       fmt::format("{:+.1f} %", 100 * one.device.mean),
-                       fmt::format("vertex error by trainings, {:+.1f} to {:+.1f}", 100 * one.device.low,
-                                   100 * one.device.high)});
+  if (!request.quick)
+    for (const PlacementContest& one : study.contests)
+      figures.push_back({fmt::format("{} against {}", one.ours, one.paper),
+                         fmt::format("{:+.1f} %", 100 * one.device.mean),
+                         fmt::format("vertex error by trainings, {:+.1f} to {:+.1f}", 100 * one.device.low,
+                                     100 * one.device.high)});
   if (!figures.empty()) report.key_figures(figures);
   MIEN_TRY(add_placement_image(
       report, study.pictures.alone,
@@ -291,11 +305,10 @@ Result<measure::Report> placement_report(const PlacementStudy& study, const Plac
   report.table(placement_sites_table(study));
   report.table(misplacement_table(kChosenSet, study.misplaced));
   report.table(misplacement_table(kPaperSet, study.misplaced_paper));
-  if (!study.trained.empty()) {
-    report.heading("By short trainings");
-    report.table(placement_trained_table(study));
-    for (const PlacementContest& one : study.contests) report.text(one.verdict());
-  }
+  const std::vector<std::string> verdicts = placement_verdicts(study, request);
+  if (!study.trained.empty() || !verdicts.empty()) report.heading("By short trainings");
+  if (!study.trained.empty()) report.table(placement_trained_table(study, request.training));
+  for (const std::string& sentence : verdicts) report.text(sentence);
   report.heading("The published table");
   report.table(placement_paper_table(study));
   report.text(placement_paper_words(study));

@@ -29,8 +29,15 @@ namespace mien::study {
 /// Where both tables agree and where not.
 [[nodiscard]] std::string placement_paper_words(const PlacementStudy& study);
 
-/// What networks of each set are off; without rows where none was trained.
-[[nodiscard]] measure::Table placement_trained_table(const PlacementStudy& study);
+/// What networks of each set are off, and how large their trainings were; without rows where none was
+/// trained.
+[[nodiscard]] measure::Table placement_trained_table(const PlacementStudy& study,
+                                                     const PlacementTrainingRequest& request);
+
+/// What the trainings say, a sentence each: which set is better, or that trainings so small compare
+/// nothing; and which sets could not be trained. Empty where none was to be.
+[[nodiscard]] std::vector<std::string> placement_verdicts(const PlacementStudy& study,
+                                                          const PlacementRequest& request);
 
 /// How to read all of it.
 [[nodiscard]] std::string placement_legend(const PlacementRequest& request);

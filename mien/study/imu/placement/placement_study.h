@@ -23,7 +23,7 @@ namespace mien::study {
 
 struct PlacementRequest {
   std::uint64_t seed = 1;
-  std::size_t sensors = 11;  ///< Of the set that is written, drawn and tried, 1 to 16.
+  std::size_t sensors = 11;  ///< Of the set that is written and drawn, 1 to 16; eleven and five are trained.
   double spacing_m = 0.008;  ///< Of the dense grid.
   PlacementObjective objective = PlacementObjective::vertex;
   PlacementSettings settings;  ///< `most` is at least `sensors`.
@@ -32,6 +32,7 @@ struct PlacementRequest {
   PlacementTrainingRequest training;
   SkinMotionRequest skin;  ///< Of the rigs that are trained on.
   int picture_px = 640;
+  bool quick = false;  ///< Trainings are too small to compare anything: reports name no better set.
 };
 
 /// The rigs that a study is about.
@@ -47,8 +48,8 @@ struct PlacementRow {
   std::vector<std::string> sensors;
   double rms_vertex_mm = 0;  ///< Root of the expected squared displacement of the skin's vertices.
   SensorBound bound;
-  std::array<double, kShapeGroups.size()>
-      groups_left{};  ///< Posterior over prior, RMS over the group's shapes.
+  /// posterior_over_prior(), RMS over the group's shapes.
+  std::array<double, kShapeGroups.size()> group_ratios{};
 };
 
 struct PlacementStudy {
@@ -56,31 +57,33 @@ struct PlacementStudy {
   std::size_t choices = 0;                  ///< How many are chosen from.
   std::size_t grid_begin = 0;               ///< Where the grid begins: to the end.
   PlacementBound bound;                     ///< Of the choices, by the objective.
-  std::vector<double> alone;                ///< Share told, of all candidates.
-  std::vector<ShapesLeft> alone_left;       ///< Of all candidates.
-  std::vector<PlacementRow> sets;           ///< Of each size.
+  std::vector<double> alone;                ///< error_reductions() of the prior, of all candidates.
+  std::vector<PosteriorOverPrior> alone_posterior;  ///< After this candidate alone, of all candidates.
+  std::vector<PlacementRow> sets;                   ///< Of each size.
   PlacementRow paper, paper_five;
   std::vector<std::size_t> chosen;                           ///< The set of the asked size.
   std::vector<SiteMisplacement> misplaced, misplaced_paper;  ///< Of the chosen set and of the paper's.
   PaperSitesStudy paper_sites;
-  double left_right = 0;  ///< Mean difference of a pair's shares told, as a share of the largest of all.
+  double left_right = 0;  ///< Mean difference of a pair's `alone`, as a share of the largest of all.
   std::vector<TrainedPlacement> trained;  ///< Empty without trainings.
   std::vector<PlacementContest> contests;
+  std::string not_trained;  ///< A sentence where sets were to be trained that the candidates do not give.
   PlacementPictures pictures;
 
   [[nodiscard]] std::vector<SensorCandidate> chosen_candidates() const;
 };
 
 /// The whole study: bound and pictures on `face`, what the paper's sites feel and trainings on virtual people
-/// of the built-in family. `train` null: no trainings. Sets of eleven and of five are trained where the
-/// candidates give them. Errors: candidates_of()'s, those of the sites, bad_usage (fewer candidates than
-/// sensors), `train`'s; cancelled. The same for any number of threads.
+/// of the built-in family. `train` null: no trainings. Else sets as large as the paper's (eleven) and its
+/// kPaperFive are trained where the candidates give them, and `not_trained` says where they do not. Errors:
+/// candidates_of()'s, those of the sites, bad_usage (fewer candidates than sensors), `train`'s; cancelled.
+/// The same for any number of threads.
 [[nodiscard]] Result<PlacementStudy> study_placement(const PlacementRequest& request, const face::Face& face,
                                                      const PlacementRigs& rigs, const TrainShort* train,
                                                      const Progress& progress);
 
-/// The shapes that a sensor tells most of, largest share of the variance first: at most `most`, at least a
-/// tenth each. "jawOpen 62 %, ...".
-[[nodiscard]] std::string top_shapes(const ShapesLeft& left, std::size_t most = 5);
+/// The shapes that a sensor tells most of, largest reduction of the variance first: at most `most`, at least
+/// a tenth each. "jawOpen 62 %, ...".
+[[nodiscard]] std::string top_shapes(const PosteriorOverPrior& posterior, std::size_t most = 5);
 
 }  // namespace mien::study

@@ -25,7 +25,7 @@ struct PlacementTests {
 Result<PlacementTests> perform_tests(const PlacementTrainingRequest& request, const sensor::Rig& rig,
                                      const Progress& progress) {
   DataRecipe recipe = request.data;
-  recipe.seed = Random(request.seed).fork("placement tests").bits() >> 1U;  // A recipe's are not negative.
+  recipe.seed = Random(request.seed).fork("placement tests").bits() >> 1U;  // As recipe_seed().
   recipe.performers = 0;
   recipe.validation_performers = static_cast<int>(request.test_people);
   recipe.seconds = recipe.device_seconds = request.test_seconds;
@@ -74,7 +74,8 @@ Result<std::vector<TrainedPlacement>> train_placements(const PlacementTrainingRe
     for (std::size_t s = 0; s < request.seeds; ++s)
       trainings.push_back(
           {.name = fmt::format("{}-{}", worn.name, s + 1),
-           .recipe = short_recipe({.seed = request.seed * 100 + s, .steps = request.steps}, request.data),
+           .recipe =
+               short_recipe({.seed = training_seed(request.seed, s), .steps = request.steps}, request.data),
            .rig = rig_text,
            .data_key =
                fmt::format("placement\n{}long {} moving {}\n{}", data_table(request.data),

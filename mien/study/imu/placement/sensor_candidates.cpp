@@ -21,7 +21,7 @@ constexpr double kSameSiteM = 0.003;
 constexpr double kOffSkinM = 0.010;
 /// A place a little inside is a rounded one, or of a head that is a little larger.
 constexpr double kInsideM = 0.003;
-/// Half a module and some room.
+/// Half a module.
 constexpr double kFreeM = kModuleApartM / 2;
 constexpr double kSampleM = 0.0015;  // Places that the grid chooses from.
 

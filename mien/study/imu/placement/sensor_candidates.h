@@ -21,8 +21,8 @@ struct SensorCandidate {
   bool operator==(const SensorCandidate&) const = default;
 };
 
-/// What a module covers: two candidates closer than this cannot both be used, and one this close to lids,
-/// lips, ears, brows or hair cannot be glued.
+/// What a module covers: two candidates closer than this cannot both be used, and one within half of it of
+/// lids, lips, ears, brows or hair cannot be glued.
 inline constexpr double kModuleApartM = 0.012;
 
 /// An even grid over the built-in head's skin where something can be glued: face and temples from the

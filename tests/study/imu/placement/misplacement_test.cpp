@@ -18,17 +18,17 @@ struct Worn {
   MatrixXd gram = placement_gram(face, PlacementObjective::vertex);
 };
 
-TEST(MismatchedSquare, IsTheBoundWhereTheBeliefIsTrueAndMoreElsewhere) {
+TEST(MismatchedSquaredError, IsTheBoundWhereTheBeliefIsTrueAndMoreElsewhere) {
   const Worn worn;
   const MatrixXd slopes =
       virt::rotation_slopes(virt::skin_sites(worn.face, sites_rig(worn.set)).value(), kBoundStep);
-  const double bound = expected_square(worn.gram, posterior_covariance(slopes, 0.1, kRadPerDeg));
-  EXPECT_NEAR(mismatched_square(worn.gram, slopes, slopes, 0.1, kRadPerDeg) / bound, 1, 1e-9);
+  const double bound = expected_squared_error(worn.gram, posterior_covariance(slopes, 0.1, kRadPerDeg));
+  EXPECT_NEAR(mismatched_squared_error(worn.gram, slopes, slopes, 0.1, kRadPerDeg) / bound, 1, 1e-9);
   // Whoever knows the truth does at least as well, whatever it is.
   for (const double factor : {0.5, 0.9, 1.1, 2.0}) {
     const MatrixXd truth = factor * slopes;
-    EXPECT_GT(mismatched_square(worn.gram, slopes, truth, 0.1, kRadPerDeg),
-              expected_square(worn.gram, posterior_covariance(truth, 0.1, kRadPerDeg)));
+    EXPECT_GT(mismatched_squared_error(worn.gram, slopes, truth, 0.1, kRadPerDeg),
+              expected_squared_error(worn.gram, posterior_covariance(truth, 0.1, kRadPerDeg)));
   }
 }
 

@@ -45,28 +45,28 @@ const GridOnFace& grid() {
   return one;
 }
 
-TEST(ToldAlso, IsTheDirectInverse) {
+TEST(PosteriorWith, IsTheDirectInverse) {
   const double prior = 0.1, noise_rad = 0.02;
   const MatrixXd slopes = drawn_slopes(12, 1);
   MatrixXd step_by_step = posterior_covariance(slopes.topRows(3), prior, noise_rad);
   for (const auto& [first, rows] : {std::pair{3, 3}, std::pair{6, 6}})
-    step_by_step = told_also(step_by_step, slopes.middleRows(first, rows), noise_rad);
+    step_by_step = posterior_with(step_by_step, slopes.middleRows(first, rows), noise_rad);
   const MatrixXd at_once = posterior_covariance(slopes, prior, noise_rad);
   EXPECT_LT((step_by_step - at_once).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-TEST(ShareTold, IsWhatAddingTheSensorTells) {
+TEST(ErrorReductions, AreWhatAddingTheSensorTells) {
   const double noise_rad = 0.02;
   const MatrixXd slopes = drawn_slopes(9, 2);
   const MatrixXd covariance = posterior_covariance(drawn_slopes(6, 3), 0.1, noise_rad);
-  const std::vector<double> shares = share_told(even_gram(), covariance, slopes, noise_rad);
-  ASSERT_EQ(shares.size(), 3U);
-  const double before = expected_square(even_gram(), covariance);
+  const std::vector<double> reductions = error_reductions(even_gram(), covariance, slopes, noise_rad);
+  ASSERT_EQ(reductions.size(), 3U);
+  const double before = expected_squared_error(even_gram(), covariance);
   for (int i = 0; i < 3; ++i) {
-    const double after =
-        expected_square(even_gram(), told_also(covariance, slopes.middleRows(3 * i, 3), noise_rad));
-    EXPECT_NEAR(shares[static_cast<std::size_t>(i)], 1 - after / before, 1e-12);
-    EXPECT_GT(shares[static_cast<std::size_t>(i)], 0);
+    const double after = expected_squared_error(
+        even_gram(), posterior_with(covariance, slopes.middleRows(3 * i, 3), noise_rad));
+    EXPECT_NEAR(reductions[static_cast<std::size_t>(i)], 1 - after / before, 1e-12);
+    EXPECT_GT(reductions[static_cast<std::size_t>(i)], 0);
   }
 }
 
@@ -76,20 +76,20 @@ TEST(BoundPlacement, EverySensorTellsMore) {
         bound_placement(grid().candidates, grid().slopes, grid().gram, {.one_sided = one_sided, .most = 9});
     ASSERT_TRUE(bound) << bound.error().message();
     ASSERT_EQ(bound->sets.size(), 9U);
-    double last = bound->square_before;
+    double last = expected_squared_error(grid().gram, prior_covariance(0.10));
     for (std::size_t i = 0; i < bound->sets.size(); ++i) {
       const PlacementSet& set = bound->sets[i];
       EXPECT_EQ(set.chosen.size(), i + 1);
-      EXPECT_LT(set.square, last);
+      EXPECT_LT(set.squared_error, last);
       EXPECT_LT(set.before, set.chosen.size());
-      last = set.square;
+      last = set.squared_error;
       // As if all had been there from the beginning.
       MatrixXd rows(3 * static_cast<Eigen::Index>(set.chosen.size()), grid().slopes.cols());
       for (std::size_t c = 0; c < set.chosen.size(); ++c)
         rows.middleRows(3 * static_cast<Eigen::Index>(c), 3) =
             grid().slopes.middleRows(3 * static_cast<Eigen::Index>(set.chosen[c]), 3);
       const MatrixXd at_once = posterior_covariance(rows, 0.10, kRadPerDeg);
-      EXPECT_NEAR(expected_square(grid().gram, at_once) / set.square, 1, 1e-9);
+      EXPECT_NEAR(expected_squared_error(grid().gram, at_once) / set.squared_error, 1, 1e-9);
       for (std::size_t a = 0; a < set.chosen.size(); ++a)
         for (std::size_t b = 0; b < a; ++b)
           EXPECT_GE(
@@ -113,16 +113,16 @@ TEST(BoundPlacement, SetsAreSymmetricUnlessOneSided) {
       bound_placement(grid().candidates, grid().slopes, grid().gram, {.one_sided = true, .most = 8});
   ASSERT_TRUE(each);
   // A single free sensor is at least as good as one on the midline.
-  EXPECT_LE(each->sets.front().square, both->sets.front().square);
+  EXPECT_LE(each->sets.front().squared_error, both->sets.front().squared_error);
 }
 
-TEST(BoundPlacement, LeftAndRightTellAlike) {
-  const auto bound = bound_placement(grid().candidates, grid().slopes, grid().gram, {.most = 1});
-  ASSERT_TRUE(bound);
+TEST(ErrorReductions, OfLeftAndRightAreAlike) {
+  const std::vector<double> alone =
+      error_reductions(grid().gram, prior_covariance(0.10), grid().slopes, kRadPerDeg);
   const std::vector<std::size_t> mirror = mirror_candidates(grid().candidates);
-  const double most = *std::ranges::max_element(bound->alone);
+  const double most = *std::ranges::max_element(alone);
   for (std::size_t i = 0; i < mirror.size(); ++i)
-    EXPECT_NEAR(bound->alone[i], bound->alone[mirror[i]], 0.03 * most) << grid().candidates[i].name;
+    EXPECT_NEAR(alone[i], alone[mirror[i]], 0.03 * most) << grid().candidates[i].name;
 }
 
 TEST(BoundPlacement, RefusesNobodyAndTheLopsided) {

@@ -31,6 +31,8 @@ TEST(TrainPlacements, GivesEachSetItsOwnDataOfTheSamePeople) {
   ASSERT_EQ(untrained.asked.size(), 4U);
   EXPECT_EQ(untrained.asked[0].data_key, untrained.asked[1].data_key);
   EXPECT_NE(untrained.asked[0].recipe, untrained.asked[1].recipe);
+  EXPECT_TRUE(untrained.asked[0].recipe.starts_with("seed = 100\n"));
+  EXPECT_TRUE(untrained.asked[1].recipe.starts_with("seed = 101\n"));
   EXPECT_NE(untrained.asked[0].data_key, untrained.asked[2].data_key);
   // The same budget and the same performances, whatever is worn.
   EXPECT_EQ(untrained.asked[0].recipe, untrained.asked[2].recipe);
