@@ -204,13 +204,14 @@ Result<fs::path> find_helper(const std::string& name) {
   std::error_code code;
   const fs::path path = self.parent_path() / name;
   if (!fs::exists(path, code))
-    return fail(ErrorCode::not_found,
-                fmt::format("the helper {} is not beside {}", name, self.filename().string()),
-                self.parent_path().string(),
-                name == "mien-media"
-                    ? "build Mien with MIEN_MEDIA on; it needs Debian's libavformat-dev, libavcodec-dev, "
-                      "libswscale-dev, libswresample-dev and libespeak-ng-dev"
-                    : "build Mien with MIEN_TRAIN on; it needs Debian's libtorch-dev");
+    return fail(
+        ErrorCode::not_found, fmt::format("the helper {} is not beside {}", name, self.filename().string()),
+        self.parent_path().string(),
+        name == "mien-media" ? "build Mien with MIEN_MEDIA on, as script/bootstrap and cmake --preset "
+                               "release do; it needs Debian's libavformat-dev, libavcodec-dev, "
+                               "libswscale-dev, libswresample-dev and libespeak-ng-dev"
+                             : "build Mien with MIEN_TRAIN on, as script/bootstrap and cmake --preset "
+                               "release do; it needs Debian's libtorch-dev");
   return path;
 }
 

@@ -44,8 +44,15 @@ void make_quick(study::AblationRequest& request) {
   request.test_seconds = 6;
   request.stand_ins = 5;
   request.stand_in_seconds = 30;
-  if (request.rows.empty())
-    request.rows = {"five_sensors", "tenth_of_people", "takes_too", "diffusion", "no_overlap"};
+}
+
+/// Of the quick study: those that the rig has sensors for.
+std::vector<std::string> quick_rows(const sensor::Rig& rig, bool stand_ins) {
+  std::vector<std::string> names;
+  for (const study::AblationRow& row : study::ablation_rows(rig, stand_ins))
+    for (const char* quick : {"five_sensors", "tenth_of_people", "takes_too", "diffusion", "no_overlap"})
+      if (row.name == quick) names.push_back(row.name);
+  return names;
 }
 
 Json to_json(const study::AblationStudy& study, const study::AblationResult& result) {
@@ -87,6 +94,7 @@ Json to_json(const study::AblationStudy& study, const StudyAblationOptions& opti
               {"seed", request.seed},
               {"seeds", request.seeds},
               {"steps", request.steps},
+              {"quick", options.quick},
               {"training_people", study.training_people},
               {"training_minutes", study.training_minutes},
               {"test_people", request.test_people},
@@ -152,6 +160,7 @@ Result<void> run_study_ablation(StudyAblationOptions options) {
   if (options.quick) make_quick(request);
   // Before hours of work.
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(request.rig));
+  if (options.quick && request.rows.empty()) request.rows = quick_rows(rig, request.takes.empty());
   MIEN_TRY(study::chosen_rows(rig, request.takes.empty(), request.rows));
   MIEN_TRY(find_helper("mien-train"));
   MIEN_TRY(load_motions(options));
@@ -170,7 +179,8 @@ Result<void> run_study_ablation(StudyAblationOptions options) {
                   study::study_ablation(request, train, terminal_progress("ablation")));
   clear_progress();
   const std::string subtitle =
-      fmt::format("{} trainings a row of {} steps, seed {}", request.seeds, request.steps, request.seed);
+      fmt::format("{} trainings a row of {} steps, seed {}{}", request.seeds, request.steps, request.seed,
+                  options.quick ? "; quick, compares nothing" : "");
   std::string text = plain_text(study::beside_the_paper(study)) + "\n";
   for (std::size_t s = 0; s < study::kTestSetCount; ++s)
     if (const measure::Table table = study::ablation_table(study, static_cast<study::TestSet>(s));
@@ -201,7 +211,8 @@ void add_study_ablation(Commands& commands, Command study) {
   study::AblationRequest& request = options->request;
   command.add_option(
       "--rows", request.rows,
-      "Only these rows, by name, and the base: five_sensors, five_upper, no_frontalis, no_orbicularis, "
+      "Only these rows, by name, and the base (default: all, an hour or two of two cores): five_sensors, "
+      "five_upper, no_frontalis, no_orbicularis, "
       "no_zygomaticus, no_buccinator, one_side, third_of_people, tenth_of_people, takes_alone, "
       "takes_too, no_difference, transformer, diffusion, no_overlap, window_30, window_60, window_240");
   add_short_training_options(command, {.seeds = request.seeds,
@@ -226,7 +237,7 @@ void add_study_ablation(Commands& commands, Command study) {
   command.add_flag("--no-shipped", options->no_shipped, "Leave the shipped models out of the table");
   add_seed_option(command, request.seed, "Of all people, and of the trainings");
   command.add_flag("--quick", options->quick,
-                   "Few rows, people and steps, in two minutes: shows that it works, compares nothing");
+                   "Few rows, people and steps, in a minute: shows that it works, compares nothing");
   command
       .add_option("--out", options->out,
                   "Folder for ablation.html, ablation.txt and ablation.json, made where it is not; its "

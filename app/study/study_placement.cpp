@@ -190,6 +190,8 @@ Result<study::PlacementRigs> placement_rigs(const PlacementOptions& options) {
   MIEN_TRY_ASSIGN(rigs.paper, sensor::read_rig(paper));
   if (!options.rig.empty()) {
     MIEN_TRY_ASSIGN(rigs.own, sensor::read_rig(options.rig));
+    rigs.own->name = options.rig;  // What errors say of its sensors is of this file.
+    MIEN_TRY(study::candidates_of(*rigs.own));
   }
   return rigs;
 }
@@ -242,24 +244,25 @@ Result<void> run_study_placement(PlacementOptions options) {
   if (options.request.quick) make_quick(options.request);
   seed_placement(options.request);
   MIEN_TRY_ASSIGN(const study::PlacementRigs rigs, placement_rigs(options));
+  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face, face_progress(options.face)));
   const std::filesystem::path folder = options.out;
-  MIEN_TRY(make_private_folders(folder));
   study::TrainShort train;
   if (!options.no_training) {
     MIEN_TRY_ASSIGN(train, train_by_helper(folder / "trainings"));
   }
-  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face, face_progress(options.face)));
 
   MIEN_TRY_ASSIGN(const study::PlacementStudy study,
                   study::study_placement(options.request, face, rigs, train ? &train : nullptr,
                                          terminal_progress("placement")));
   clear_progress();
+  MIEN_TRY(make_private_folders(folder));
   std::string told;
   if (!options.write_rig.empty()) {
     MIEN_TRY_ASSIGN(told, write_winner(options, rigs, study, folder));
   }
-  const std::string subtitle = fmt::format("{} sensors on {}, seed {}", options.request.sensors,
-                                           one_line(options.face), options.request.seed);
+  const std::string subtitle =
+      fmt::format("{} sensors on {}, seed {}{}", options.request.sensors, one_line(options.face),
+                  options.request.seed, options.request.quick ? "; quick, compares nothing" : "");
   const std::string text = study::placement_text(study, options.request);
   const Json json = to_json(study, options);
   MIEN_TRY(write_file(folder / "placement.txt", text));
@@ -314,10 +317,12 @@ void add_study_placement(Commands& commands, Command study) {
       .show_default();
   command.add_flag("--one-sided", options->one_sided,
                    "Each side for itself; else pairs of mirror images and the midline");
-  const Option written =
-      command.add_option("--write-rig", options->write_rig, "Write the chosen set as a rig (.toml)");
+  const Option written = command.add_option(
+      "--write-rig", options->write_rig,
+      "Write the chosen set as a rig (.toml) with a [skin] of its own, which takes another minute");
   command.add_flag("--force", options->force, "Replace --write-rig where it exists").needs(written);
-  command.add_flag("--no-training", options->no_training, "The linear bound alone: seconds, not minutes");
+  command.add_flag("--no-training", options->no_training,
+                   "The linear bound alone: a quarter of a minute instead of half an hour");
   command.add_flag("--quick", request.quick,
                    "Few people and steps, in a minute: shows that it works, compares nothing");
   study::PlacementTrainingRequest& training = request.training;

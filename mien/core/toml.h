@@ -12,6 +12,9 @@
 #endif
 #define TOML_HEADER_ONLY 1
 #define TOML_EXCEPTIONS 0
+// Numbers are written as short as they read back the same: 0.005, not 0.0050000000000000001. (Off by default
+// since no compiler had it in 2020.)
+#define TOML_FLOAT_CHARCONV 1
 #define TOML_ASSERT(expression) static_assert(true)
 #include <toml++/toml.h>
 #ifdef MIEN_NDEBUG

@@ -1,6 +1,7 @@
 #include "mien/study/imu/placement/placement_report.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <string_view>
@@ -72,6 +73,12 @@ int strongest_site(const std::vector<PaperSiteFelt>& sites, std::string_view are
   return number;
 }
 
+/// The set that was asked for.
+const PlacementRow& chosen_row(const PlacementStudy& study) {
+  return *std::ranges::find(study.sets, study.chosen.size(),
+                            [](const PlacementRow& row) { return row.sensors.size(); });
+}
+
 measure::LinePlot placement_curve(const PlacementStudy& study) {
   measure::LinePlot plot;
   plot.title = "What a set of sensors leaves, by how many there are";
@@ -116,16 +123,17 @@ Result<void> add_placement_image(measure::Report& report, const render::Image& i
 
 measure::Table placement_sets_table(const PlacementStudy& study) {
   measure::Table table;
-  table.caption = "Sets by the linear bound; of the groups: posterior over prior standard deviation";
+  table.caption =
+      "Sets by the linear bound; of the groups of shapes what is left of their prior standard deviation (1: "
+      "nothing is known of them)";
   table.columns = {"", "RMS, mm", "PVE, mm", "MSE"};
   for (const std::string_view group : kShapeGroups) table.columns.emplace_back(group);
   for (const PlacementRow& row : study.sets) {
+    if (row.sensors.size() == study.chosen.size()) table.strong_rows.push_back(table.rows.size());
     table.rows.push_back(set_cells(row));
     if (row.sensors.size() == study.paper_five.sensors.size())
       table.rows.push_back(set_cells(study.paper_five));
-    if (row.sensors.size() != study.paper.sensors.size()) continue;
-    table.strong_rows.push_back(table.rows.size() - 1);
-    table.rows.push_back(set_cells(study.paper));
+    if (row.sensors.size() == study.paper.sensors.size()) table.rows.push_back(set_cells(study.paper));
   }
   return table;
 }
@@ -246,25 +254,47 @@ std::string placement_legend(const PlacementRequest& request) {
   return fmt::format(
       "The bound is what one frame of orientations tells at best by a linear map: noise of {:.2g} degrees an "
       "axis, shapes independent beforehand with a standard deviation of {:.2g}. Sites are chosen one step "
-      "after "
-      "the other so that {} becomes least; {}. RMS is the root of the expected squared displacement of the "
+      "after the other so that {} becomes least; {}. RMS is the root of the expected squared displacement of "
+      "the "
       "skin's vertices, PVE the mean displacement. Misplacement: the estimate believes that the sensor sits "
       "where it should; \"learnt\" is after the wearer's skin was learnt where it sits. A sensor's own axes "
-      "cost "
-      "nothing: its neutral takes them out; what is turned here is the skin below it. Between the sites of "
-      "the "
-      "default rig the built-in skin is nobody's measurement. Method: docs/method/placement.md.",
+      "cost nothing: its neutral takes them out; what is turned here is the skin below it. Between the sites "
+      "of "
+      "the default rig the built-in skin is nobody's measurement. Method: docs/method/placement.md.",
       kDegPerRad * request.settings.noise_rad, request.settings.prior, objective_words(request.objective),
       request.settings.one_sided ? "each side for itself" : "left and right alike");
 }
 
+std::vector<std::string> placement_remarks(const PlacementStudy& study) {
+  std::vector<std::string> words;
+  constexpr double kUnseen = 0.99;  // Posterior over prior.
+  std::vector<std::string_view> unseen;
+  const PlacementRow& chosen = chosen_row(study);
+  for (std::size_t g = 0; g < kShapeGroups.size(); ++g)
+    if (chosen.group_ratios[g] > kUnseen) unseen.push_back(kShapeGroups[g]);
+  if (!unseen.empty())
+    words.push_back(
+        fmt::format("The chosen {} tell nothing of {}: the objective hardly counts them. `--objective "
+                    "groups` counts brows, "
+                    "eyes, cheeks, mouth and jaw alike.",
+                    chosen.sensors.size(), fmt::join(unseen, " and ")));
+  if (!study.without_mirror.empty())
+    words.push_back(
+        fmt::format("Not chosen from, since nothing mirrors them on the other side: {}. `--one-sided` takes "
+                    "each side for "
+                    "itself.",
+                    fmt::join(study.without_mirror, ", ")));
+  return words;
+}
+
 std::string placement_text(const PlacementStudy& study, const PlacementRequest& request) {
-  std::string out = plain_text(placement_sets_table(study)) + "\n" +
-                    plain_text(placement_sites_table(study)) + "\n" +
-                    plain_text(misplacement_table(kChosenSet, study.misplaced)) + "\n" +
-                    plain_text(misplacement_table(kPaperSet, study.misplaced_paper)) + "\n" +
-                    plain_text(placement_candidates_table(study)) + "\n" +
-                    plain_text(placement_paper_table(study)) + "\n" + placement_paper_words(study) + "\n\n";
+  std::string out;
+  for (const std::string& sentence : placement_remarks(study)) out += sentence + "\n\n";
+  out += plain_text(placement_sets_table(study)) + "\n" + plain_text(placement_sites_table(study)) + "\n" +
+         plain_text(misplacement_table(kChosenSet, study.misplaced)) + "\n" +
+         plain_text(misplacement_table(kPaperSet, study.misplaced_paper)) + "\n" +
+         plain_text(placement_candidates_table(study)) + "\n" + plain_text(placement_paper_table(study)) +
+         "\n" + placement_paper_words(study) + "\n\n";
   if (!study.trained.empty()) out += plain_text(placement_trained_table(study, request.training)) + "\n";
   const std::vector<std::string> verdicts = placement_verdicts(study, request);
   for (const std::string& sentence : verdicts) out += sentence + "\n";
@@ -277,21 +307,22 @@ std::string placement_text(const PlacementStudy& study, const PlacementRequest& 
 Result<measure::Report> placement_report(const PlacementStudy& study, const PlacementRequest& request,
                                          const std::string& subtitle) {
   measure::Report report("Where to glue sensors", subtitle);
-  const PlacementRow* same = nullptr;
-  for (const PlacementRow& row : study.sets)
-    if (row.sensors.size() == study.paper.sensors.size()) same = &row;
-  std::vector<measure::KeyFigure> figures;
-  if (same != nullptr)
-    figures.push_back({fmt::format("Greedy {}, by the bound", same->sensors.size()),
-                       fmt::format("{:.3f} mm", same->rms_vertex_mm),
-                       fmt::format("the paper's {:.3f}", study.paper.rms_vertex_mm)});
+  const PlacementRow& chosen = chosen_row(study);
+  const PlacementRow* same = nullptr;  // Of the paper's that has as many sensors.
+  for (const PlacementRow* paper : {&study.paper, &study.paper_five})
+    if (paper->sensors.size() == chosen.sensors.size()) same = paper;
+  std::vector<measure::KeyFigure> figures = {
+      {fmt::format("Vertex error of the chosen {}, by the bound", chosen.sensors.size()),
+       fmt::format("{:.3f} mm", chosen.rms_vertex_mm),
+       same != nullptr ? fmt::format("RMS; {} {:.3f}", same->title, same->rms_vertex_mm) : "RMS"}};
   if (!request.quick)
     for (const PlacementContest& one : study.contests)
       figures.push_back({fmt::format("{} against {}", one.ours, one.paper),
                          fmt::format("{:+.1f} %", 100 * one.device.mean),
                          fmt::format("vertex error by trainings, {:+.1f} to {:+.1f}", 100 * one.device.low,
                                      100 * one.device.high)});
-  if (!figures.empty()) report.key_figures(figures);
+  report.key_figures(figures);
+  for (const std::string& sentence : placement_remarks(study)) report.text(sentence);
   MIEN_TRY(add_placement_image(
       report, study.pictures.alone,
       "What one sensor would tell at each place, as a share of the objective; dots are the chosen sensors"));

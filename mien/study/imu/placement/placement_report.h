@@ -13,6 +13,10 @@ namespace mien::study {
 /// Sets of each size by the linear bound, and the paper's beside them.
 [[nodiscard]] measure::Table placement_sets_table(const PlacementStudy& study);
 
+/// What whoever looks at the chosen set should know first, a sentence each: groups of shapes of which it
+/// tells nothing, candidates that could not be chosen.
+[[nodiscard]] std::vector<std::string> placement_remarks(const PlacementStudy& study);
+
 /// The chosen sensors in their order: where, and what each tells alone.
 [[nodiscard]] measure::Table placement_sites_table(const PlacementStudy& study);
 

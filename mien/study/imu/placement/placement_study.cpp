@@ -1,6 +1,7 @@
 #include "mien/study/imu/placement/placement_study.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -100,6 +101,14 @@ double left_right_difference(const std::vector<SensorCandidate>& candidates,
   }
   const double most = *std::ranges::max_element(reductions);
   return count > 0 && most > 0 ? sum / count / most : 0;
+}
+
+std::vector<std::string> names_without_mirror(const std::vector<SensorCandidate>& candidates) {
+  const std::vector<std::size_t> mirror = mirror_candidates(candidates);
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < mirror.size(); ++i)
+    if (mirror[i] >= mirror.size() || mirror[mirror[i]] != i) out.push_back(candidates[i].name);
+  return out;
 }
 
 /// What is seen on the pictures.
@@ -250,11 +259,16 @@ Result<PlacementStudy> study_placement(const PlacementRequest& request, const fa
   MIEN_TRY_ASSIGN(study.bound, bound_placement(choices, slopes.topRows(3 * static_cast<Index>(study.choices)),
                                                evaluator.gram, settings));
   const PlacementSet* chosen = study.bound.of_size(request.sensors);
-  if (chosen == nullptr)
+  if (chosen == nullptr) {
+    std::vector<std::size_t> sizes;
+    for (const PlacementSet& set : study.bound.sets) sizes.push_back(set.chosen.size());
     return fail(ErrorCode::bad_usage,
-                fmt::format("these candidates give no set of {} sensors", request.sensors),
+                fmt::format("these candidates give no set of {} sensors, but of {}", request.sensors,
+                            fmt::join(sizes, ", ")),
                 rigs.own ? rigs.own->name : "the grid",
-                "give more candidates or fewer --sensors, or let each side be for itself (--one-sided)");
+                "say so by --sensors, give more candidates, or let each side be for itself (--one-sided)");
+  }
+  if (!settings.one_sided) study.without_mirror = names_without_mirror(choices);
   study.chosen = chosen->chosen;
   const MatrixXd prior = prior_covariance(settings.prior);
   study.alone = error_reductions(evaluator.gram, prior, slopes, settings.noise_rad);

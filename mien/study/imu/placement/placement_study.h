@@ -68,6 +68,8 @@ struct PlacementStudy {
   std::vector<TrainedPlacement> trained;  ///< Empty without trainings.
   std::vector<PlacementContest> contests;
   std::string not_trained;  ///< A sentence where sets were to be trained that the candidates do not give.
+  /// Names of one's own candidates that were not chosen from: sets are symmetric, and nothing mirrors these.
+  std::vector<std::string> without_mirror;
   PlacementPictures pictures;
 
   [[nodiscard]] std::vector<SensorCandidate> chosen_candidates() const;
