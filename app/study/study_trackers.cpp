@@ -126,8 +126,10 @@ Result<StudiedTrackers> compare_recordings(const StudyTrackersOptions& options) 
   MIEN_TRY(move_by_offsets(options.offsets, trackers));
   MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face, face_progress(options.face)));
   const measure::Meter meter(face);
+  study::CompareSettings settings = options.request.compare;
+  settings.shared_clock = options.shared_clock;
   MIEN_TRY_ASSIGN(const study::CurveComparison comparison,
-                  study::compare_curves(meter, truth, trackers, options.request.compare));
+                  study::compare_curves(meter, truth, trackers, settings));
   clear_progress();
   return StudiedTrackers{study::study_of(comparison, path.filename().string()),
                          fmt::format("truth {}, on the face {}", path.filename().string(), options.face)};
@@ -185,7 +187,8 @@ Json row_json(const study::TrackersRow& row, const std::string& reference) {
     worst = {{"performer", row.moment->performer},
              {"time_s", row.moment->worst_s},
              {"tracker", row.moment->worst},
-             {"pve_mm", row.moment->pve_mm}};
+             {"pve_mm", row.moment->pve_mm},
+             {"above_reference_mm", reference.empty() ? Json() : Json(row.moment->above_mm)}};
   return {{"condition", row.key},        {"title", row.title},        {"frames", row.frames},
           {"common_shapes", row.common}, {"worst", std::move(worst)}, {"trackers", std::move(trackers)}};
 }
@@ -217,6 +220,7 @@ Json study_json(const study::TrackersStudy& study, const StudyTrackersOptions& o
     out["curves"] = options.curves;
     out["offsets"] = options.offsets;
     out["shared_clock"] = options.shared_clock;
+    out["offset_unknown"] = study.offset_unknown;
     out["face"] = options.face;
   }
   out["rows"] = Json::array();
@@ -249,6 +253,7 @@ std::vector<study::TrackerPicture> pictures_of(const study::TrackersStudy& study
 std::string study_text(const study::TrackersStudy& study) {
   std::string out;
   if (study.modelled) out += study::modelled_notice() + "\n\n";
+  for (const std::string& notice : study::offset_notices(study)) out += notice + "\n\n";
   return out + plain_text(study::trackers_table(study)) + "\n" + plain_text(study::lag_table(study)) + "\n";
 }
 
@@ -326,8 +331,10 @@ void add_study_trackers(Commands& commands, Command study) {
       .add_option("--offset", options->offsets, "Move recordings later, as NAME=SECONDS; negative is earlier")
       .needs(truth);
   command
-      .add_flag("--shared-clock", options->shared_clock,
-                "The files' times are of one clock; else each is counted from its first row")
+      .add_flag(
+          "--shared-clock", options->shared_clock,
+          "The files' times are of one clock; else each is counted from its first row, and the lag that "
+          "is found of it is taken out of its errors, since it has in it when somebody began to record")
       .needs(truth);
   command
       .add_option("--face", options->face, "Face on which the recordings are measured, as mien face takes it")

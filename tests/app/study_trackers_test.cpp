@@ -10,6 +10,7 @@ namespace mien::app::test::study_trackers_test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 std::string livelink(const face::Motion& motion) {
@@ -81,6 +82,51 @@ TEST_F(StudyTrackers, MovesRecordings) {
   EXPECT_EQ(apart.status, 2);
   EXPECT_THAT(apart.err, HasSubstr("late is from 1000.000 to 1005.967 s"));
   EXPECT_THAT(apart.err, HasSubstr("the truth is from 0.000 to 5.983 s"));
+}
+
+/// A recorder that was started 0.3 s before the truth's, beside one that was started with it.
+TEST_F(StudyTrackers, HoldsNobodyToWhenHeBeganToRecord) {
+  face::Motion small = performer::test::talking(378);
+  for (face::MotionFrame& frame : small.frames)
+    for (float& weight : frame.weights.values) weight *= 0.8F;
+  write(folder / "before.csv", livelink(small));
+  face::Motion truth = performer::test::talking(378);
+  for (face::Motion* motion : {&small, &truth}) {
+    motion->frames.erase(motion->frames.begin(), motion->frames.begin() + 18);
+    for (std::size_t f = 0; f < motion->frames.size(); ++f)
+      motion->frames[f].time_s = static_cast<double>(f) / 60;
+  }
+  write(folder / "truth.csv", livelink(truth));
+  write(folder / "with.csv", livelink(small));
+  const std::vector<std::string> both = {"with=" + folder / "with.csv", "before=" + folder / "before.csv"};
+  const auto compared = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome done = run(with(both, words));
+    EXPECT_EQ(done.status, 0) << done.err;
+    return nlohmann::json::parse(done.out);
+  };
+  const auto figure = [](const nlohmann::json& json, std::size_t tracker, const char* name) {
+    return json.at("rows")[0].at("trackers")[tracker].at(name).at("mean").get<double>();
+  };
+  const auto apart = compared({});
+  EXPECT_NEAR(figure(apart, 1, "lag_ms"), 300, 2);
+  for (const char* name : {"pve_held_mm", "pve_whole_mm", "mse_whole"})
+    EXPECT_NEAR(figure(apart, 1, name), figure(apart, 0, name), 0.03 * figure(apart, 0, name)) << name;
+  EXPECT_EQ(apart.at("offset_unknown"), nlohmann::json::array());
+  EXPECT_THAT(content(folder / "out/trackers.html"), HasSubstr("These recordings share no clock."));
+
+  const auto shared = compared({"--shared-clock"});
+  for (const char* name : {"pve_held_mm", "pve_whole_mm", "mse_whole"})
+    EXPECT_GT(figure(shared, 1, name), 2 * figure(shared, 0, name)) << name;
+  EXPECT_NEAR(figure(shared, 1, "lag_ms"), 300, 2);
+  EXPECT_THAT(content(folder / "out/trackers.html"), Not(HasSubstr("share no clock")));
+
+  const auto unknown = compared({"--search", "0.1"});
+  EXPECT_EQ(unknown.at("offset_unknown"), nlohmann::json::array({"before"}));
+  EXPECT_TRUE(unknown.at("rows")[0].at("trackers")[1].at("pve_whole_mm").is_null());
+  EXPECT_NEAR(figure(unknown, 0, "pve_whole_mm"), figure(apart, 0, "pve_whole_mm"), 0.01);
+  EXPECT_THAT(content(folder / "out/trackers.txt"), HasSubstr("before: how much earlier or later it began"));
 }
 
 TEST_F(StudyTrackers, SaysInALineWhatCannotBeCompared) {

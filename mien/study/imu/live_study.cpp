@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -18,6 +17,7 @@
 #include "mien/study/imu/observed_rotations.h"
 #include "mien/study/imu/sensor_bound.h"
 #include "mien/study/imu/trace_features.h"
+#include "mien/study/performance_count.h"
 #include "mien/study/performers.h"
 #include "mien/study/solve.h"
 #include "mien/tracker/causal_tracker.h"
@@ -230,8 +230,8 @@ struct Setting {
 /// One performer, from the first condition to the last.
 class Performing {
  public:
-  Performing(const Setting& setting, Actor actor, const std::atomic<bool>& stop)
-      : setting_(setting), actor_(std::move(actor)), meter_(actor_.face), stop_(stop) {}
+  Performing(const Setting& setting, Actor actor, const PerformanceCount& performances)
+      : setting_(setting), actor_(std::move(actor)), meter_(actor_.face), performances_(performances) {}
 
   /// The condition's rows, and their titles.
   Result<std::vector<std::pair<std::string, LiveOutcome>>> meet(LiveCondition condition) {
@@ -303,7 +303,7 @@ class Performing {
     const tracker::WindowSolver& window = *setting_.models.window;
     MIEN_TRY_ASSIGN(const std::vector<face::OutputFrame> frames,
                     window.solve(features, setting_.rig.face_sensor_names(), sampler_of(window.file(), steps),
-                                 [this](double, std::string_view) { return !stop_; }));
+                                 [this](double, std::string_view) { return !performances_.stopped(); }));
     Track out;
     out.reserve(frames.size());
     for (const face::OutputFrame& frame : frames) out.push_back(frame.weights);
@@ -361,7 +361,7 @@ class Performing {
   const Setting& setting_;
   Actor actor_;
   measure::Meter meter_;
-  const std::atomic<bool>& stop_;
+  const PerformanceCount& performances_;
   std::optional<Performance> seen_;
 };
 
@@ -500,22 +500,14 @@ Result<LiveStudy> study_live(const LiveRequest& request, const sensor::Rig& rig,
   const std::size_t count = performers + request.motions.size();
 
   std::vector<std::vector<Met>> met(count, std::vector<Met>(setting.conditions.size()));
-  std::atomic<std::size_t> done = 0;
-  std::atomic<bool> stop = false;
-  // A performer takes long, so his conditions are what is counted.
-  const Progress by_condition = [&](double, std::string_view) {
-    const std::size_t whole = count * setting.conditions.size();
-    if (!progress(static_cast<double>(done) / static_cast<double>(whole),
-                  fmt::format("{} of {} performances", done.load(), whole)))
-      stop = true;
-    return !stop;
-  };
-  MIEN_TRY(for_each_performer(count, request.threads, by_condition, [&](std::size_t p) -> Result<void> {
-    Performing performing(setting, actor_of(request, p), stop);
+  PerformanceCount performances(progress, count * setting.conditions.size());
+  const Progress counted = performances.progress();
+  MIEN_TRY(for_each_performer(count, request.threads, counted, [&](std::size_t p) -> Result<void> {
+    Performing performing(setting, actor_of(request, p), performances);
     for (std::size_t c = 0; c < setting.conditions.size(); ++c) {
-      if (stop) return fail(ErrorCode::cancelled, "stopped before all performances were measured");
+      if (Result<void> on = performances.go_on(); !on) return on;
       MIEN_TRY_ASSIGN(met[p][c], performing.meet(setting.conditions[c]));
-      ++done;
+      performances.count();
     }
     return {};
   }));

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "mien/shaping/shaper.h"
 #include "mien/study/imu/observed_rotations.h"
 #include "mien/study/imu/trace_features.h"
+#include "mien/study/performance_count.h"
 #include "mien/study/performers.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/virtual/imu/device_faults.h"
@@ -220,25 +220,17 @@ Result<LossStudy> study_loss(const LossRequest& request, const sensor::Rig& rig,
 
   std::vector<std::vector<LossOutcome>> outcomes(
       all.size(), std::vector<LossOutcome>(count, LossOutcome{.rotations = ObservedRotations(rig)}));
-  std::atomic<std::size_t> done = 0;
-  std::atomic<bool> stop = false;
-  // A performance takes long, so its conditions are what is counted.
-  const Progress by_condition = [&](double, std::string_view) {
-    const std::size_t whole = count * all.size();
-    if (!progress(static_cast<double>(done) / static_cast<double>(whole),
-                  fmt::format("{} of {} performances received", done.load(), whole)))
-      stop = true;
-    return !stop;
-  };
-  MIEN_TRY(for_each_performer(count, request.threads, by_condition, [&](std::size_t p) -> Result<void> {
+  PerformanceCount performances(progress, count * all.size());
+  const Progress counted = performances.progress();
+  MIEN_TRY(for_each_performer(count, request.threads, counted, [&](std::size_t p) -> Result<void> {
     MIEN_TRY_ASSIGN(const Played played, perform_one(request, rig, faults, p));
     MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
                     tracker::CausalTracker::create(model, rig.face_sensor_names()));
     const measure::Meter meter(played.face);
     for (std::size_t c = 0; c < all.size(); ++c) {
-      if (stop) return fail(ErrorCode::cancelled, "stopped before all performances were received");
+      if (Result<void> on = performances.go_on(); !on) return on;
       MIEN_TRY_ASSIGN(outcomes[c][p], run_condition(all[c], rig, played, meter, tracker));
-      ++done;
+      performances.count();
     }
     return {};
   }));

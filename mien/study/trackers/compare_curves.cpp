@@ -213,21 +213,30 @@ class ScoreMaker {
   ToldShapes told_;
 };
 
+/// One tracker, and where it lies beside the truth.
+struct PlacedCurves {
+  const TrackerCurves& curves;
+  ToldShapes told;
+  TimeLine line;
+  std::optional<TrackerLag> lag;
+  double moved_s = 0;  // Taken off its times.
+};
+
 CurveScore tracker_score(const measure::Meter& meter, const CurveComparison& comparison,
-                         const TrackerCurves& curves, const ToldShapes& truth_told,
-                         const CompareSettings& settings) {
-  const ToldShapes told = curves.told & truth_told;
-  const TimeLine line(curves);
+                         const PlacedCurves& placed, const ToldShapes& truth_told) {
+  const auto& [curves, told, line, lag, moved_s] = placed;
   const ScoreMaker maker(meter, comparison, told);
   CurveScore out;
   out.name = curves.name;
   out.told_shapes = told;
+  out.lag = lag;
+  out.offset_unknown = !comparison.shared_clock && !lag;
   FramePairs whole{comparison.truth, {}};
   for (const double time_s : comparison.time_s) {
-    const bool saw = line.at(time_s).has_value();
+    const bool saw = line.at(time_s + moved_s).has_value();
     out.saw.push_back(saw);
     out.seen += saw ? 1 : 0;
-    face::BlendshapeWeights& shown = whole.estimate.emplace_back(line.held_at(time_s));
+    face::BlendshapeWeights& shown = whole.estimate.emplace_back(line.held_at(time_s + moved_s));
     // Of what the truth does not tell nobody knows whether it is right.
     for (std::size_t k = 0; k < face::kShapeCount; ++k)
       if (!truth_told[k]) shown[k] = comparison.truth[whole.estimate.size() - 1][k];
@@ -235,8 +244,7 @@ CurveScore tracker_score(const measure::Meter& meter, const CurveComparison& com
   const auto frames = static_cast<double>(comparison.time_s.size());
   out.gap_share = 1 - static_cast<double>(out.seen) / frames;
   out.as_told = maker.seen_errors(line, 0);
-  out.lag = LagSearch(comparison, line, told, settings.search_s).find();
-  if (out.lag) out.without_lag = maker.seen_errors(line, out.lag->lag_s);
+  if (lag) out.without_lag = maker.seen_errors(line, lag->lag_s);
   out.held = maker.errors(whole, &out.pve_mm);
   if (told == truth_told) {
     out.pve_whole_mm = out.held.pve_mm;
@@ -249,8 +257,9 @@ CurveScore tracker_score(const measure::Meter& meter, const CurveComparison& com
   return out;
 }
 
-std::string time_range(const TrackerCurves& curves) {
-  return fmt::format("{} is from {:.3f} to {:.3f} s", curves.name, curves.first_s(), curves.last_s());
+std::string time_range(const TrackerCurves& curves, double moved_s = 0) {
+  return fmt::format("{} is from {:.3f} to {:.3f} s", curves.name, curves.first_s() - moved_s,
+                     curves.last_s() - moved_s);
 }
 
 Result<void> check_curves(const TrackerCurves& truth, std::span<const TrackerCurves> trackers,
@@ -277,23 +286,19 @@ Result<void> check_curves(const TrackerCurves& truth, std::span<const TrackerCur
   return {};
 }
 
-}  // namespace
-
-Result<CurveComparison> compare_curves(const measure::Meter& meter, const TrackerCurves& truth,
-                                       std::span<const TrackerCurves> trackers,
-                                       const CompareSettings& settings) {
-  MIEN_TRY(check_curves(truth, trackers, settings));
+/// The truth's frames in the time that all have in common.
+Result<CurveComparison> frames_in_common(const TrackerCurves& truth, std::span<const PlacedCurves> placed) {
   CurveComparison out;
   out.common = truth.told;
   double begin_s = truth.first_s(), end_s = truth.last_s();
-  for (const TrackerCurves& tracker : trackers) {
+  for (const PlacedCurves& tracker : placed) {
     out.common &= tracker.told;
-    begin_s = std::max(begin_s, tracker.first_s());
-    end_s = std::min(end_s, tracker.last_s());
+    begin_s = std::max(begin_s, tracker.curves.first_s() - tracker.moved_s);
+    end_s = std::min(end_s, tracker.curves.last_s() - tracker.moved_s);
   }
   if (end_s - begin_s < kLeastOverlap_s) {
     std::vector<std::string> ranges;
-    for (const TrackerCurves& tracker : trackers) ranges.push_back(time_range(tracker));
+    for (const PlacedCurves& tracker : placed) ranges.push_back(time_range(tracker.curves, tracker.moved_s));
     return fail(ErrorCode::mismatch,
                 fmt::format("the recordings have less than a second in common: {}", fmt::join(ranges, ", ")),
                 truth.name, "leave one of them out");
@@ -305,8 +310,28 @@ Result<CurveComparison> compare_curves(const measure::Meter& meter, const Tracke
   }
   if (out.time_s.empty())
     return fail(ErrorCode::not_found, "the truth has no row with a face while all trackers run", truth.name);
+  return out;
+}
+
+}  // namespace
+
+Result<CurveComparison> compare_curves(const measure::Meter& meter, const TrackerCurves& truth,
+                                       std::span<const TrackerCurves> trackers,
+                                       const CompareSettings& settings) {
+  MIEN_TRY(check_curves(truth, trackers, settings));
+  std::vector<PlacedCurves> placed;
   for (const TrackerCurves& tracker : trackers)
-    out.scores.push_back(tracker_score(meter, out, tracker, truth.told, settings));
+    placed.push_back({tracker, tracker.told & truth.told, TimeLine(tracker), {}, 0});
+  MIEN_TRY_ASSIGN(CurveComparison out, frames_in_common(truth, placed));
+  for (PlacedCurves& tracker : placed)
+    tracker.lag = LagSearch(out, tracker.line, tracker.told, settings.search_s).find();
+  if (!settings.shared_clock) {
+    for (PlacedCurves& tracker : placed) tracker.moved_s = tracker.lag ? tracker.lag->lag_s : 0;
+    MIEN_TRY_ASSIGN(out, frames_in_common(truth, placed));
+  }
+  out.shared_clock = settings.shared_clock;
+  for (const PlacedCurves& tracker : placed)
+    out.scores.push_back(tracker_score(meter, out, tracker, truth.told));
   return out;
 }
 

@@ -50,13 +50,15 @@ TrackerFigures figures_of(const CurveScore& score) {
     put(TrackerMeasure::pve_without_lag, score.without_lag->pve_mm);
     put(TrackerMeasure::mse_without_lag, score.without_lag->mse_told);
   }
-  put(TrackerMeasure::pve_held, score.held.pve_mm);
-  put(TrackerMeasure::pve_whole, score.pve_whole_mm);
-  put(TrackerMeasure::pve_face_held, score.held.pve_face_mm);
-  put(TrackerMeasure::landmarks_held, score.held.landmarks_mm);
-  put(TrackerMeasure::mse_held, score.held.mse_told);
-  put(TrackerMeasure::mse_common, score.held.mse_common);
-  put(TrackerMeasure::mse_whole, score.mse_whole);
+  if (!score.offset_unknown) {
+    put(TrackerMeasure::pve_held, score.held.pve_mm);
+    put(TrackerMeasure::pve_whole, score.pve_whole_mm);
+    put(TrackerMeasure::pve_face_held, score.held.pve_face_mm);
+    put(TrackerMeasure::landmarks_held, score.held.landmarks_mm);
+    put(TrackerMeasure::mse_held, score.held.mse_told);
+    put(TrackerMeasure::mse_common, score.held.mse_common);
+    put(TrackerMeasure::mse_whole, score.mse_whole);
+  }
   put(TrackerMeasure::gap_share, score.gap_share);
   if (score.lag) {
     put(TrackerMeasure::lag, 1e3 * score.lag->lag_s);
@@ -92,8 +94,8 @@ TrackerMoment worst_moment(const CurveComparison& comparison, std::string_view r
   const std::vector<double>& time_s = comparison.time_s;
   if (time_s.empty()) return out;
   const auto beside = std::ranges::find(comparison.scores, reference, &CurveScore::name);
-  double worst = -1e300;
   for (const CurveScore& score : comparison.scores) {
+    if (score.offset_unknown) continue;
     if (beside != comparison.scores.end() && score.name == beside->name && comparison.scores.size() > 1)
       continue;
     // A window that slides over the time: what comes in at its end leaves at its beginning.
@@ -108,13 +110,14 @@ TrackerMoment worst_moment(const CurveComparison& comparison, std::string_view r
       }
       const auto count = static_cast<double>(end - begin + 1);
       const bool whole = time_s[end] - time_s[begin] > 0.9 * kMoment_s || end + 1 == time_s.size();
-      if (!whole || (own - its) / count <= worst) continue;
-      worst = (own - its) / count;
+      if (!whole || (!out.worst.empty() && (own - its) / count <= out.above_mm)) continue;
+      out.above_mm = (own - its) / count;
       out.worst_s = 0.5 * (time_s[begin] + time_s[end]);
       out.pve_mm = own / count;
       out.worst = score.name;
     }
   }
+  if (out.worst.empty()) return out;
   std::vector<std::size_t> kept;
   for (std::size_t f = 0; f < time_s.size(); ++f)
     if (std::abs(time_s[f] - out.worst_s) <= kMomentEachWay_s) kept.push_back(f);
@@ -139,8 +142,16 @@ const TrackerMethod* TrackersRow::find(std::string_view method) const {
   return found == methods.end() ? nullptr : &*found;
 }
 
+void TrackersRow::keep_worst(TrackerMoment other) {
+  if (other.worst.empty() || (moment && other.above_mm <= moment->above_mm)) return;
+  moment = std::move(other);
+}
+
 TrackersStudy study_of(const CurveComparison& comparison, std::string title) {
   TrackersStudy out;
+  out.shared_clock = comparison.shared_clock;
+  for (const CurveScore& score : comparison.scores)
+    if (score.offset_unknown) out.offset_unknown.push_back(score.name);
   TrackersRow& row = out.rows.emplace_back();
   row.key = "recording";
   row.title = std::move(title);
@@ -149,7 +160,7 @@ TrackersStudy study_of(const CurveComparison& comparison, std::string title) {
   row.common = comparison.common.count();
   for (const CurveScore& score : comparison.scores)
     row.methods.push_back({score.name, score.told_shapes.count(), {figures_of(score)}});
-  row.moment = worst_moment(comparison, {});
+  row.keep_worst(worst_moment(comparison, {}));
   return out;
 }
 

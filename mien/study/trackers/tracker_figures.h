@@ -35,6 +35,7 @@ inline constexpr std::size_t kTrackerMeasureCount = 14;
 [[nodiscard]] std::string_view tracker_measure_name(TrackerMeasure measure);
 /// Of one tracker and one performance; nothing where it cannot be told.
 using TrackerFigures = std::array<std::optional<double>, kTrackerMeasureCount>;
+/// Errors over all frames are left out where they have an unknown offset in them.
 [[nodiscard]] TrackerFigures figures_of(const CurveScore& score);
 
 /// A mean over performers and its 95 % interval.
@@ -68,15 +69,17 @@ struct TrackerMoment {
     std::vector<bool> saw;
   };
   std::size_t performer = 0;
-  double worst_s = 0;  ///< Its middle, on the truth's time.
-  double pve_mm = 0;   ///< Of the worst tracker over that second.
-  std::string worst;   ///< Which that is.
+  double worst_s = 0;   ///< Its middle, on the truth's time.
+  double pve_mm = 0;    ///< Of the worst tracker over that second.
+  double above_mm = 0;  ///< By how much that lies above the reference's over the same second.
+  std::string worst;    ///< Which that is; empty where there is none.
   std::vector<double> time_s;
   std::vector<face::BlendshapeWeights> truth;
   std::vector<Line> lines;
 };
 /// The second in which the error of what is shown lies highest above that of the tracker called `reference`;
-/// above zero where there is none of that name. Two and a half seconds each way are kept.
+/// above zero where there is none of that name. Two and a half seconds each way are kept. Trackers of unknown
+/// offset are never the worst; where there are no others the moment is empty.
 [[nodiscard]] TrackerMoment worst_moment(const CurveComparison& comparison, std::string_view reference);
 
 /// All trackers under one condition, on the same performances.
@@ -92,13 +95,17 @@ struct TrackersRow {
 
   /// nullptr where there is none of that name.
   [[nodiscard]] const TrackerMethod* find(std::string_view method) const;
+  /// Keeps of its moments that which lies furthest above the reference; an empty one is none.
+  void keep_worst(TrackerMoment other);
 };
 
 struct TrackersStudy {
   std::vector<TrackersRow> rows;
   /// The one that the others are held against; empty: none.
   std::string reference;
-  bool modelled = false;  ///< Camera trackers are models, not recordings.
+  bool modelled = false;     ///< Camera trackers are models, not recordings.
+  bool shared_clock = true;  ///< Else the offsets that were found are taken out (CompareSettings).
+  std::vector<std::string> offset_unknown;  ///< Recordings of which none was found.
 };
 
 /// A comparison of recordings as a study of one row and one performer.

@@ -29,6 +29,9 @@ constexpr std::array<TrackerColumn, 8> kTrackerColumns = {
      {TrackerMeasure::mse_held, "MSE told", 4, 1},
      {TrackerMeasure::mse_common, "MSE common", 4, 1}}};
 
+/// Beside it stands by how much it is above the reference's.
+constexpr TrackerMeasure kAboveMeasure = TrackerMeasure::pve_whole;
+
 /// Shapes whose curves are drawn around a worst moment.
 struct DrawnShape {
   std::size_t shape;
@@ -44,6 +47,17 @@ std::string shown_mean(const std::optional<TrackerMean>& mean, int decimals, dou
   if (!mean->interval) return fmt::format("{:.{}f}", factor * mean->mean, decimals);
   return fmt::format("{:.{}f} ± {:.{}f}", factor * mean->mean, decimals,
                      0.5 * factor * ((*mean->interval)[1] - (*mean->interval)[0]), decimals);
+}
+
+/// "+0.32 ± 0.09": by how much a tracker is above the one that it is held against.
+std::string shown_above(const TrackerMethod& method, const TrackerMethod* reference) {
+  if (reference == nullptr || reference == &method) return "-";
+  const auto above = method.above(*reference, kAboveMeasure);
+  return (above && above->mean >= 0 ? "+" : "") + shown_mean(above, 2, 1);
+}
+
+bool of_recordings(const TrackersStudy& study) {
+  return !study.rows.empty() && study.rows.front().key == "recording";
 }
 
 /// A head across all columns.
@@ -104,11 +118,16 @@ std::vector<measure::KeyFigure> tracker_key_figures(const TrackersStudy& study) 
   for (const TrackersRow& row : study.rows) {
     const TrackerMethod* own = row.find(study.reference);
     if (own == nullptr) {
-      for (const TrackerMethod& method : row.methods)
+      const char* offset = study.shared_clock ? "" : ", its offset taken out";
+      for (const TrackerMethod& method : row.methods) {
+        const auto held = method.over(TrackerMeasure::pve_held);
         out.push_back({fmt::format("{}, {}", method.name, row.title),
-                       fmt::format("{:.2f} mm", method.over(TrackerMeasure::pve_held)->mean),
-                       fmt::format("vertex error with gaps held; {:.1f} % of the frames in gaps",
+                       held ? fmt::format("{:.2f} mm", held->mean) : "-",
+                       fmt::format("{}; {:.1f} % of the frames in gaps",
+                                   held ? fmt::format("vertex error with gaps held{}", offset)
+                                        : "its offset was not found",
                                    100 * method.over(TrackerMeasure::gap_share)->mean)});
+      }
       continue;
     }
     // The best of the others is what ours is held against.
@@ -139,13 +158,16 @@ Result<void> add_pictures(const TrackersRow& row, std::span<const TrackerPicture
   return {};
 }
 
-std::string moment_caption(const TrackersRow& row) {
+std::string moment_caption(const TrackersRow& row, const std::string& reference) {
   const std::string who =
       row.key == "recording" ? "" : fmt::format(" Performer {}.", row.moment->performer + 1);
+  const std::string above = row.find(reference) == nullptr ? ""
+                                                           : fmt::format(", {:.2f} mm above that of {}",
+                                                                         row.moment->above_mm, reference);
   return fmt::format(
-      "{}: {} is worst at {:.2f} s, with a vertex error of {:.2f} mm over that second, gaps held.{} Lines "
+      "{}: {} is worst at {:.2f} s, with a vertex error of {:.2f} mm over that second{}, gaps held.{} Lines "
       "break where a tracker saw no face.",
-      row.title, row.moment->worst, row.moment->worst_s, row.moment->pve_mm, who);
+      row.title, row.moment->worst, row.moment->worst_s, row.moment->pve_mm, above, who);
 }
 
 }  // namespace
@@ -161,6 +183,16 @@ std::string modelled_notice() {
          "on real faces only recordings tell (mien study trackers --truth FILE --curves NAME=FILE).";
 }
 
+std::vector<std::string> offset_notices(const TrackersStudy& study) {
+  std::vector<std::string> out;
+  for (const std::string& name : study.offset_unknown)
+    out.push_back(fmt::format(
+        "{}: how much earlier or later it began than the truth was not found (not within --search, or too "
+        "little agrees), so its errors over all frames are left out; its PVE seen has that offset in it.",
+        name));
+  return out;
+}
+
 std::string trackers_legend(const TrackersStudy& study) {
   std::string out =
       "All on one time line: the truth's frames in the time that all recordings share. In gaps: frames "
@@ -173,24 +205,42 @@ std::string trackers_legend(const TrackersStudy& study) {
       "are taken from the truth; all shapes: they stay 0. MSE told: over the shapes that it tells, held; "
       "common: "
       "over those that all tell.";
-  if (study.rows.empty() || study.rows.front().key != "recording")
-    out += " Behind ±: half of the 95 % interval over performers (Student's t).";
+  if (!study.shared_clock)
+    out +=
+        " These recordings share no clock. Each is counted from its first row, so that its lag has in it "
+        "when somebody began to record; what is found of it is taken out of all but PVE seen, of every "
+        "tracker alike, and no tracker's own lateness counts.";
+  if (!study.reference.empty())
+    out += fmt::format(
+        " Above {}: by how much its error of all shapes is higher, performer by performer, so that what they "
+        "have in common cancels; its interval is that of the differences.",
+        study.reference);
+  if (!of_recordings(study)) out += " Behind ±: half of the 95 % interval over performers (Student's t).";
   return out + " All else: docs/reference/tracker_curves.md.";
 }
 
 measure::Table trackers_table(const TrackersStudy& study) {
   measure::Table table;
-  table.caption = study.modelled ? "Errors by condition; camera trackers are modelled" : "Errors";
+  table.caption = study.modelled       ? "Errors by condition; camera trackers are modelled"
+                  : study.shared_clock ? "Errors"
+                                       : "Errors; each recording's offset is taken out of all but PVE seen";
   table.columns = {"", "shapes"};
-  for (const TrackerColumn& column : kTrackerColumns) table.columns.emplace_back(column.head);
+  const bool compares = !study.reference.empty();
+  for (const TrackerColumn& column : kTrackerColumns) {
+    table.columns.emplace_back(column.head);
+    if (compares && column.measure == kAboveMeasure) table.columns.push_back("above " + study.reference);
+  }
   for (const TrackersRow& row : study.rows) {
     table.strong_rows.push_back(table.rows.size());
     table.rows.push_back({row_head(row)});
     for (const TrackerMethod& method : row.methods) {
       std::vector<std::string>& cells = table.rows.emplace_back();
       cells = {method.name, std::to_string(method.told)};
-      for (const TrackerColumn& column : kTrackerColumns)
+      for (const TrackerColumn& column : kTrackerColumns) {
         cells.push_back(shown_mean(method.over(column.measure), column.decimals, column.factor));
+        if (compares && column.measure == kAboveMeasure)
+          cells.push_back(shown_above(method, row.find(study.reference)));
+      }
     }
   }
   return table;
@@ -198,11 +248,11 @@ measure::Table trackers_table(const TrackersStudy& study) {
 
 measure::Table lag_table(const TrackersStudy& study) {
   measure::Table table;
-  const bool recordings = !study.rows.empty() && study.rows.front().key == "recording";
   table.caption =
-      recordings
-          ? "Behind the truth, ms: lag, and where recordings do not share a clock how much later they began"
-          : "Lag behind the truth, ms; found: performances in which it could be told";
+      !study.shared_clock
+          ? "Behind the truth, ms: lag and, since recordings share no clock, how much earlier each began"
+      : of_recordings(study) ? "Lag behind the truth, ms"
+                             : "Lag behind the truth, ms; found: performances in which it could be told";
   table.columns = {"", "lag", "standard error of one", "found"};
   for (const TrackersRow& row : study.rows) {
     table.strong_rows.push_back(table.rows.size());
@@ -231,17 +281,21 @@ Result<measure::Report> trackers_report(const TrackersStudy& study, const std::s
   measure::Report report(
       study.modelled ? "Camera trackers beside the IMUs (modelled)" : "Trackers on one time line", subtitle);
   if (study.modelled) report.text(modelled_notice());
+  for (const std::string& notice : offset_notices(study)) report.text(notice);
   report.key_figures(tracker_key_figures(study));
-  report.bars(bars_of(study, TrackerMeasure::pve_whole, "Vertex error by condition, gaps held, all shapes",
+  report.bars(bars_of(study, TrackerMeasure::pve_whole,
+                      study.shared_clock ? "Vertex error by condition, gaps held, all shapes"
+                                         : "Vertex error, gaps held, all shapes, offsets taken out",
                       "PVE (mm)", 1));
   report.bars(bars_of(study, TrackerMeasure::gap_share, "Frames in gaps", "share (%)", 100));
   report.table(trackers_table(study));
   report.table(lag_table(study));
-  report.heading("Worst moments");
+  const auto has_moment = [](const TrackersRow& row) { return row.moment.has_value(); };
+  if (std::ranges::any_of(study.rows, has_moment)) report.heading("Worst moments");
   for (const TrackersRow& row : study.rows) {
     if (!row.what.empty()) report.text(row.title + ": " + row.what);
     if (!row.moment || row.moment->time_s.empty()) continue;
-    report.text(moment_caption(row));
+    report.text(moment_caption(row, study.reference));
     MIEN_TRY(add_pictures(row, pictures, report));
     for (const DrawnShape& drawn : kDrawnShapes) report.plot(curves_around(row, drawn));
   }

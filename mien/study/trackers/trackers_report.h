@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "mien/measure/report.h"
 #include "mien/render/image.h"
@@ -19,7 +20,7 @@ struct TrackerPicture {
 };
 
 /// Each condition a strong row, then its trackers: errors as told, without lag and held, each as mean and 95
-/// % interval over performers.
+/// % interval over performers; where there is a reference also by how much each is above it.
 [[nodiscard]] measure::Table trackers_table(const TrackersStudy& study);
 /// How late each tracker is, and how sure that is.
 [[nodiscard]] measure::Table lag_table(const TrackersStudy& study);
@@ -30,6 +31,8 @@ struct TrackerPicture {
 [[nodiscard]] std::string trackers_legend(const TrackersStudy& study);
 /// "Modelled, not measured": what stands on every page of modelled trackers.
 [[nodiscard]] std::string modelled_notice();
+/// A sentence on each recording whose offset was not found.
+[[nodiscard]] std::vector<std::string> offset_notices(const TrackersStudy& study);
 
 /// The whole on one page: key figures, errors and gaps by condition, the curves around the worst moment of
 /// each row, lags, pictures where there are any, and of modelled trackers where each number comes from.

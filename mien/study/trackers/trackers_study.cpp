@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <map>
 #include <optional>
 #include <utility>
@@ -20,6 +19,7 @@
 #include "mien/performer/script.h"
 #include "mien/study/imu/trace_features.h"
 #include "mien/study/performance.h"
+#include "mien/study/performance_count.h"
 #include "mien/study/performers.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/virtual/imu/device_faults.h"
@@ -206,7 +206,7 @@ TrackersRow condition_row(TrackerCondition condition, std::size_t at,
       if (row.methods.size() == m) row.methods.push_back({one.names[m], one.told[m].count(), {}});
       row.methods[m].performers.push_back(one.figures[m]);
     }
-    if (!row.moment || one.moment.pve_mm > row.moment->pve_mm) row.moment = one.moment;
+    row.keep_worst(one.moment);
   }
   return row;
 }
@@ -276,26 +276,21 @@ Result<TrackersStudy> study_trackers(const TrackersRequest& request, const senso
   MIEN_TRY_ASSIGN(setting.faults, virt::parse_faults(rig.faults_toml, rig.name));
   const auto count = static_cast<std::size_t>(request.performers);
   std::vector<std::vector<MetCameras>> met(count, std::vector<MetCameras>(setting.conditions.size()));
-  std::atomic<std::size_t> done = 0;
-  std::atomic<bool> stop = false;
-  const Progress by_condition = [&](double, std::string_view) {
-    const std::size_t whole = count * setting.conditions.size();
-    if (!progress(static_cast<double>(done) / static_cast<double>(whole),
-                  fmt::format("{} of {} performances", done.load(), whole)))
-      stop = true;
-    return !stop;
-  };
-  MIEN_TRY(for_each_performer(count, request.threads, by_condition, [&](std::size_t p) -> Result<void> {
+  PerformanceCount performances(progress, count * setting.conditions.size());
+  const Progress counted = performances.progress();
+  MIEN_TRY(for_each_performer(count, request.threads, counted, [&](std::size_t p) -> Result<void> {
     WatchedByCameras watched(setting, p);
     for (std::size_t c = 0; c < setting.conditions.size(); ++c) {
-      if (stop) return fail(ErrorCode::cancelled, "stopped before all performances were compared");
+      if (Result<void> on = performances.go_on(); !on) return on;
       MIEN_TRY_ASSIGN(const CurveComparison comparison, watched.meet(setting.conditions[c]));
       met[p][c] = kept_of(comparison, p);
-      ++done;
+      performances.count();
     }
     return {};
   }));
-  TrackersStudy study{.rows = {}, .reference = std::string(kOwnCurves), .modelled = true};
+  TrackersStudy study;
+  study.reference = kOwnCurves;
+  study.modelled = true;
   for (std::size_t c = 0; c < setting.conditions.size(); ++c)
     study.rows.push_back(condition_row(setting.conditions[c], c, met));
   return study;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "mien/builtin_face/builtin_face.h"
+#include "mien/core/random.h"
 #include "mien/study/trackers/time_line.h"
 #include "mien/study/trackers/tracker_figures.h"
 
@@ -142,6 +143,129 @@ TEST(CompareCurves, TellsNoLagBeyondWhatWasTried) {
   const auto far = compare_curves(meter(), truth, trackers, {.search_s = 0.5});
   ASSERT_TRUE(far->scores[0].lag);
   EXPECT_NEAR(far->scores[0].lag->lag_s, 0.3, 0.004);
+}
+
+/// A lag is told as surely as is said: over many noises its error is what its standard errors are.
+TEST(CompareCurves, TellsHowSureALagIs) {
+  constexpr double kLate_s = 0.08, kNoise = 0.15;
+  constexpr std::size_t kTrackers = 8;
+  const TrackerCurves truth = told_by("truth", 0, 12, 60);
+  std::vector<TrackerCurves> trackers;
+  for (std::size_t i = 0; i < kTrackers; ++i) {
+    Random random = Random(1).fork("noise", i);
+    trackers.push_back(told_by("noisy " + std::to_string(i), 0, 12, 30, kLate_s));
+    trackers.back().told = ToldShapes().set(kJaw).set(kSmile);
+    for (TrackerRow& row : trackers.back().rows)
+      for (const std::size_t k : {kJaw, kSmile})
+        (*row.weights)[k] += static_cast<float>(random.normal(0, kNoise));
+  }
+  const auto compared = compare_curves(meter(), truth, trackers, {.search_s = 0.25});
+  ASSERT_TRUE(compared) << compared.error().message();
+  double error = 0, said = 0;  // Mean squares.
+  for (const CurveScore& score : compared->scores) {
+    ASSERT_TRUE(score.lag) << score.name;
+    const double off_s = score.lag->lag_s - kLate_s;
+    // Six parts make a standard error of few degrees of freedom, so single ones go far out.
+    EXPECT_LT(std::abs(off_s), 6 * score.lag->sigma_s) << score.name;
+    error += off_s * off_s / kTrackers;
+    said += score.lag->sigma_s * score.lag->sigma_s / kTrackers;
+  }
+  // Of eight the ratio scatters by a third; the mean is 0.7, so the jackknife tells somewhat too much.
+  EXPECT_GT(std::sqrt(error / said), 0.25);
+  EXPECT_LT(std::sqrt(error / said), 1.7);
+  EXPECT_LT(std::sqrt(said), 0.01) << "less than a frame";
+}
+
+/// Told too small by a fifth, by one who began with the truth and by one who began 0.3 s before.
+std::vector<TrackerCurves> told_small() {
+  std::vector<TrackerCurves> out = {told_by("with it", 0, 6, 60), told_by("before it", 0, 6.3, 60, 0.3)};
+  for (TrackerCurves& curves : out)
+    for (TrackerRow& row : curves.rows)
+      for (float& weight : row.weights->values) weight *= 0.8F;
+  return out;
+}
+
+TEST(CompareCurves, HoldsNobodyToWhenHeBeganToRecord) {
+  const TrackerCurves truth = told_by("truth", 0, 6, 60);
+  const auto apart = compare_curves(meter(), truth, told_small(), {.shared_clock = false});
+  ASSERT_TRUE(apart) << apart.error().message();
+  EXPECT_FALSE(apart->shared_clock);
+  const CurveScore &with = apart->scores[0], &before = apart->scores[1];
+  EXPECT_NEAR(with.lag->lag_s, 0, 1e-3);
+  EXPECT_NEAR(before.lag->lag_s, 0.3, 1e-3);
+  // A lag that is a millisecond wrong is an error of 0.003 beside one of 0.1.
+  EXPECT_NEAR(before.held.pve_mm, with.held.pve_mm, 0.02 * with.held.pve_mm);
+  EXPECT_NEAR(before.pve_whole_mm, with.pve_whole_mm, 0.02 * with.pve_whole_mm);
+  EXPECT_NEAR(before.mse_whole, with.mse_whole, 0.04 * with.mse_whole);
+  EXPECT_LT(before.gap_share, 1e-9) << "time beyond a recording is no gap";
+  EXPECT_GT(before.as_told->pve_mm, 2 * with.as_told->pve_mm) << "this has it still";
+  EXPECT_FALSE(before.offset_unknown);
+
+  const auto shared = compare_curves(meter(), truth, told_small());
+  ASSERT_TRUE(shared) << shared.error().message();
+  EXPECT_GT(shared->scores[1].held.pve_mm, 2 * shared->scores[0].held.pve_mm);
+  EXPECT_GT(shared->scores[1].pve_whole_mm, 2 * shared->scores[0].pve_whole_mm);
+  EXPECT_DOUBLE_EQ(shared->scores[1].held.pve_mm, shared->scores[1].as_told->pve_mm) << "as its time says";
+}
+
+TEST(CompareCurves, LeavesOutWhatHasAnUnknownOffsetInIt) {
+  const TrackerCurves truth = told_by("truth", 0, 6, 60);
+  const auto compared =
+      compare_curves(meter(), truth, told_small(), {.search_s = 0.2, .shared_clock = false});
+  ASSERT_TRUE(compared) << compared.error().message();
+  EXPECT_TRUE(compared->scores[1].offset_unknown);
+  const TrackersStudy study = study_of(*compared, "take.mien");
+  EXPECT_FALSE(study.shared_clock);
+  EXPECT_EQ(study.offset_unknown, std::vector<std::string>{"before it"});
+  const TrackerMethod &with = study.rows[0].methods[0], &before = study.rows[0].methods[1];
+  EXPECT_TRUE(with.over(TrackerMeasure::pve_whole));
+  for (const TrackerMeasure measure : {TrackerMeasure::pve_held, TrackerMeasure::pve_whole,
+                                       TrackerMeasure::mse_common, TrackerMeasure::mse_whole})
+    EXPECT_FALSE(before.over(measure)) << tracker_measure_name(measure);
+  EXPECT_TRUE(before.over(TrackerMeasure::pve_seen));
+  ASSERT_TRUE(study.rows[0].moment);
+  EXPECT_EQ(study.rows[0].moment->worst, "with it") << "the other is worse by its offset alone";
+
+  const std::vector<TrackerCurves> alone = {told_small()[1]};
+  const auto nobody = compare_curves(meter(), truth, alone, {.search_s = 0.2, .shared_clock = false});
+  ASSERT_TRUE(nobody) << nobody.error().message();
+  EXPECT_FALSE(study_of(*nobody, "take.mien").rows[0].moment);
+}
+
+TEST(WorstMoment, IsHeldAgainstTheReference) {
+  const TrackerCurves truth = told_by("truth", 0, 10, 60);
+  std::vector<TrackerCurves> trackers = {told_by("ours", 0, 10, 60), told_by("phone", 0, 10, 60)};
+  const auto neutral = [](TrackerCurves& curves, double from_s, double to_s) {
+    for (TrackerRow& row : curves.rows)
+      if (row.time_s > from_s && row.time_s < to_s) row.weights = face::BlendshapeWeights{};
+  };
+  // Both are wrong from 2 to 4 s, the phone alone is, by half as much, from 7 to 9 s.
+  for (TrackerCurves& curves : trackers) neutral(curves, 2, 4);
+  for (TrackerRow& row : trackers[1].rows)
+    if (row.time_s > 7 && row.time_s < 9)
+      for (float& weight : row.weights->values) weight *= 0.5F;
+  const auto compared = compare_curves(meter(), truth, trackers);
+  ASSERT_TRUE(compared) << compared.error().message();
+  const TrackerMoment beside = worst_moment(*compared, "ours"), alone = worst_moment(*compared, {});
+  EXPECT_EQ(beside.worst, "phone");
+  EXPECT_GT(beside.worst_s, 7);
+  EXPECT_NEAR(beside.above_mm, beside.pve_mm, 1e-4) << "ours is right there";
+  EXPECT_LT(alone.worst_s, 4);
+  EXPECT_EQ(alone.above_mm, alone.pve_mm);
+  EXPECT_GT(alone.pve_mm, beside.pve_mm);
+
+  TrackersRow row;
+  row.keep_worst({});
+  EXPECT_FALSE(row.moment) << "there was none";
+  TrackerMoment easy = beside, hard = beside;
+  easy.pve_mm = 3;
+  easy.above_mm = 0.1;  // A performance that is hard for everybody.
+  hard.pve_mm = 2;
+  hard.above_mm = 1.5;
+  hard.performer = 1;
+  for (const TrackerMoment& moment : {easy, hard, easy}) row.keep_worst(moment);
+  ASSERT_TRUE(row.moment);
+  EXPECT_EQ(row.moment->performer, 1U);
 }
 
 TEST(CompareCurves, SaysWhatCannotBeCompared) {

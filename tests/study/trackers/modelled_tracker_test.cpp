@@ -8,7 +8,9 @@
 #include <numbers>
 #include <set>
 
+#include "mien/core/units.h"
 #include "mien/performer/head_motion.h"
+#include "mien/study/trackers/openseeface_log.h"
 #include "mien/study/trackers/trackers_study.h"
 #include "tests/performer/talking.h"
 
@@ -28,6 +30,63 @@ double gaps(const TrackerCurves& curves) {
 
 TrackerCurves filmed(TrackerKind kind, const TrackerScene& scene, std::uint64_t seed = 1) {
   return model_tracker(modelled_tracker(kind), scene, Random(seed));
+}
+
+constexpr std::size_t kJaw = face::shape("jawOpen");
+
+/// A tracker without any error or smoothing, 60 frames a second.
+ModelledTracker perfect() {
+  ModelledTracker out{.name = "perfect", .told = ToldShapes().set()};
+  out.turned_worse_deg = out.blur_worse_deg = 80;
+  return out;
+}
+
+/// Five seconds of a face that is the same throughout, all shapes at this weight.
+face::Motion still_face(float weight) {
+  face::Motion motion = still_head(300);
+  for (face::MotionFrame& frame : motion.frames) frame.weights.values.fill(weight);
+  return motion;
+}
+
+/// Mean and root mean square of some numbers.
+struct Spread {
+  double count = 0, sum = 0, squares = 0;
+
+  void add(double value) {
+    ++count;
+    sum += value;
+    squares += value * value;
+  }
+  [[nodiscard]] double mean() const { return sum / count; }
+  [[nodiscard]] double rms() const { return std::sqrt(squares / count); }
+  [[nodiscard]] double deviation() const { return std::sqrt(squares / count - mean() * mean()); }
+};
+
+/// How the jaw that is told agrees with that of so long before.
+struct JawAgreement {
+  double late_s = 0;
+  double correlation = -1;
+  double share = 0;  ///< Of the truth's standard deviation.
+};
+
+/// The best of 0 to 200 ms, 5 ms apart.
+JawAgreement jaw_agreement(const TrackerCurves& curves, const face::MotionCurve& truth) {
+  JawAgreement best;
+  for (int step = 0; step <= 40; ++step) {
+    const double late_s = 5e-3 * step;
+    Spread told, true_jaw, both;
+    for (const TrackerRow& row : curves.rows) {
+      if (!row.weights) continue;
+      const double a = double{truth.at(row.time_s - late_s).weights[kJaw]}, b = double{(*row.weights)[kJaw]};
+      true_jaw.add(a);
+      told.add(b);
+      both.add(a + b);
+    }
+    const double a = true_jaw.deviation(), b = told.deviation(), sum = both.deviation();
+    const double correlation = a > 0 && b > 0 ? 0.5 * (sum * sum - a * a - b * b) / (a * b) : -1;
+    if (correlation > best.correlation) best = {late_s, correlation, b / a};
+  }
+  return best;
 }
 
 constexpr std::array kKinds = {TrackerKind::truedepth_phone, TrackerKind::mediapipe_webcam,
@@ -56,30 +115,168 @@ TEST(ModelledTracker, TellsTheFaceAtItsOwnRate) {
   const face::MotionCurve curve(motion);
   const TrackerScene scene{.motion = &motion, .hands = {}};
   for (const TrackerKind kind : kKinds) {
-    const ModelledTracker& tracker = modelled_tracker(kind);
-    const TrackerCurves curves = filmed(kind, scene);
+    ModelledTracker tracker = modelled_tracker(kind);
+    tracker.losses_per_hour = 0;  // All others have a reason, and there is none here.
+    const TrackerCurves curves = model_tracker(tracker, scene, Random(1));
     EXPECT_EQ(curves.told, tracker.told);
     EXPECT_NEAR(curves.period_s(), 1 / tracker.rate_hz, 1e-9);
-    double error = 0, count = 0;
+    EXPECT_EQ(gaps(curves), 0) << tracker.name;
+    const auto rows = static_cast<double>(curves.rows.size());
+    EXPECT_NEAR(rows / (motion.duration_s() * tracker.rate_hz), 1 - tracker.frames_dropped, 0.03);
     for (std::size_t i = 0; i < curves.rows.size(); ++i) {
       if (i > 0) {
         EXPECT_GT(curves.rows[i].time_s, curves.rows[i - 1].time_s);
       }
-      if (!curves.rows[i].weights) continue;
-      const face::BlendshapeWeights truth = curve.at(curves.rows[i].time_s).weights;
       for (std::size_t k = 0; k < face::kShapeCount; ++k) {
         const float weight = (*curves.rows[i].weights)[k];
         ASSERT_TRUE(weight >= 0 && weight <= 1) << weight;
         if (!curves.told[k]) {
           EXPECT_EQ(weight, 0);
         }
-        if (k == face::shape("jawOpen")) error += std::abs(double{weight} - double{truth[k]});
       }
-      ++count;
     }
-    EXPECT_LT(error / count, 0.3) << tracker.name << ": it is late and noisy, but it tells the jaw";
-    EXPECT_LT(gaps(curves), 0.5) << tracker.name;
+    // A jaw at 1.5 Hz, through the noise and, by MediaPipe's filter, bent. Of sixty draws the least
+    // correlation was 0.955 and the least share 0.46; filters add up to 22 ms to the lag.
+    const JawAgreement jaw = jaw_agreement(curves, curve);
+    EXPECT_GT(jaw.correlation, 0.93) << tracker.name;
+    EXPECT_GT(jaw.share, 0.4) << tracker.name;
+    EXPECT_LT(jaw.share, 1.2) << tracker.name;
+    EXPECT_GT(jaw.late_s, 1e-3 * tracker.lag_ms[0] - 0.006) << tracker.name;
+    EXPECT_LT(jaw.late_s, 1e-3 * tracker.lag_ms[1] + 0.03) << tracker.name;
   }
+}
+
+TEST(ModelledTracker, IsLateByItsLag) {
+  const face::Motion motion = still_head(300);
+  const face::MotionCurve curve(motion);
+  const TrackerScene scene{.motion = &motion, .hands = {}};
+  for (const double lag_ms : {0.0, 50.0}) {
+    ModelledTracker tracker = perfect();
+    tracker.lag_ms = {lag_ms, lag_ms};
+    const TrackerCurves curves = model_tracker(tracker, scene, Random(1));
+    EXPECT_GE(curves.rows.size(), 299U);
+    for (const TrackerRow& row : curves.rows) {
+      ASSERT_TRUE(row.weights);
+      EXPECT_NEAR((*row.weights)[kJaw], curve.at(row.time_s - 1e-3 * lag_ms).weights[kJaw], 1e-5);
+    }
+  }
+  ModelledTracker drawn = perfect();
+  drawn.lag_ms = {20, 100};
+  std::set<double> lags;
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    const double late_s = jaw_agreement(model_tracker(drawn, scene, Random(seed)), curve).late_s;
+    EXPECT_GT(late_s, 0.016);
+    EXPECT_LT(late_s, 0.104);
+    lags.insert(late_s);
+  }
+  EXPECT_GT(lags.size(), 3U) << "drawn anew for each";
+}
+
+TEST(ModelledTracker, HasAGainAndARestAShape) {
+  const face::Motion half = still_face(0.5F), rest = still_face(0);
+  const TrackerScene moved{.motion = &half, .hands = {}}, resting{.motion = &rest, .hands = {}};
+  ModelledTracker gains = perfect(), offsets = perfect();
+  gains.gain_error = 0.1;
+  gains.hardly.set(kJaw);
+  gains.hardly_gain = 0.05;
+  offsets.resting_offset = 0.04;
+  Spread gain, hardly, offset;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const TrackerCurves told = model_tracker(gains, moved, Random(seed));
+    EXPECT_EQ(told.rows.front().weights, told.rows.back().weights) << "drawn once";
+    const face::BlendshapeWeights at_rest = *model_tracker(offsets, resting, Random(seed)).rows[0].weights;
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      (k == kJaw ? hardly : gain).add(double{(*told.rows.front().weights)[k]} / 0.5);
+      if (face::kShapeNames[k].starts_with("eyeLook")) {
+        EXPECT_EQ(at_rest[k], 0) << face::kShapeNames[k];
+      } else {
+        offset.add(double{at_rest[k]});
+      }
+    }
+  }
+  // Of 1040 draws, and 900: a standard deviation within 2.5 %.
+  EXPECT_NEAR(gain.mean(), 1, 0.015);
+  EXPECT_NEAR(gain.deviation(), 0.1, 0.01);
+  EXPECT_NEAR(hardly.mean(), 0.05, 0.006);
+  EXPECT_NEAR(offset.rms(), 0.04, 0.004);
+}
+
+TEST(ModelledTracker, IsNoisy) {
+  const face::Motion half = still_face(0.5F);
+  TrackerScene scene{.motion = &half, .hands = {}};
+  ModelledTracker white = perfect(), slow = perfect();
+  white.white_noise = slow.slow_noise = 0.02;
+  white.dark_noise = 3;
+  const auto noise_of = [&](const ModelledTracker& tracker, std::uint64_t seed, Spread& value, Spread& step) {
+    const TrackerCurves told = model_tracker(tracker, scene, Random(seed));
+    for (std::size_t i = 0; i < told.rows.size(); ++i)
+      for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+        value.add(double{(*told.rows[i].weights)[k]} - 0.5);
+        if (i > 0) step.add(double{(*told.rows[i].weights)[k]} - double{(*told.rows[i - 1].weights)[k]});
+      }
+  };
+  // Of 16 000 numbers: within 1 %.
+  Spread value, step;
+  noise_of(white, 1, value, step);
+  EXPECT_NEAR(value.rms(), 0.02, 0.001);
+  EXPECT_NEAR(step.rms(), 0.02 * std::sqrt(2), 0.0015) << "anew each frame";
+  // Five seconds of a noise that lasts for ten: of 53 shapes and 10 performers some 600 are independent.
+  Spread slow_value, slow_step;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) noise_of(slow, seed, slow_value, slow_step);
+  EXPECT_NEAR(slow_value.rms(), 0.02, 0.0025);
+  EXPECT_NEAR(slow_step.rms(), 0.02 * std::sqrt(2 * (1 - std::exp(-1 / 600.0))), 5e-5) << "worth what it was";
+  scene.dark = true;
+  Spread dark, dark_step;
+  noise_of(white, 1, dark, dark_step);
+  EXPECT_NEAR(dark.rms(), 0.06, 0.003);
+}
+
+TEST(ModelledTracker, SmoothsAsItsKindDoes) {
+  const face::Motion motion = still_head(600);
+  const face::MotionCurve curve(motion);
+  const TrackerScene scene{.motion = &motion, .hands = {}};
+  // A Gaussian of 50 ms leaves exp(-2 (pi f sigma)^2) of a tone of 1.5 Hz, and does not shift it.
+  ModelledTracker gaussian = perfect();
+  gaussian.smoothing_ms = 50;
+  const double left = std::exp(-2 * std::pow(std::numbers::pi * 1.5 * 0.05, 2));
+  for (const TrackerRow& row : model_tracker(gaussian, scene, Random(1)).rows) {
+    if (row.time_s < 0.2 || row.time_s > motion.duration_s() - 0.2) continue;
+    const double tone = 0.5 - 0.5 * left * std::cos(2 * std::numbers::pi * 1.5 * row.time_s);
+    EXPECT_NEAR((*row.weights)[kJaw], tone, 0.008) << row.time_s;
+  }
+  // A first-order low pass of 1 Hz at 60 frames a second leaves |a / (1 - (1 - a) exp(-i w))| of it.
+  ModelledTracker filtered = perfect();
+  filtered.one_euro = true;
+  filtered.filter = {.min_cutoff_hz = 1, .beta = 0};
+  Spread told;
+  for (const TrackerRow& row : model_tracker(filtered, scene, Random(1)).rows)
+    if (row.time_s > 1.9 && row.time_s < 9.9) told.add(double{(*row.weights)[kJaw]});  // Twelve periods.
+  EXPECT_NEAR(told.deviation() * std::sqrt(2) / 0.5, 0.536, 0.01);
+
+  // Half of the frame before: what is missing of a lid that has shut halves from frame to frame.
+  face::Motion lid = still_face(0);
+  for (face::MotionFrame& frame : lid.frames)
+    if (frame.time_s > 2) frame.weights[face::shape("eyeBlink_L")] = 1;
+  ModelledTracker half = perfect();
+  half.kind = TrackerKind::openseeface_webcam;
+  half.told = openseeface_told();
+  half.previous_share = 0.5;
+  const TrackerScene blinks{.motion = &lid, .hands = {}};
+  double missing = -1;
+  int halved = 0;
+  for (const TrackerRow& row : model_tracker(half, blinks, Random(1)).rows) {
+    const double now = 1 - double{(*row.weights)[face::shape("eyeBlink_L")]};
+    if (row.time_s < 2) {
+      EXPECT_NEAR(now, 1, 1e-6);
+    }
+    if (row.time_s < 2.02) continue;
+    if (missing > 0) {
+      EXPECT_NEAR(now, 0.5 * missing, 1e-6);
+      ++halved;
+    }
+    missing = now;
+  }
+  EXPECT_GT(halved, 10);
 }
 
 TEST(ModelledTracker, IsTheSameOfTheSameStream) {
@@ -160,6 +357,23 @@ TEST(Hands, ComeWithMouthfuls) {
   ASSERT_EQ(hands.size(), 1U);
   EXPECT_NEAR(hands[0].begin_s, 1.5, 0.05);
   EXPECT_NEAR(hands[0].end_s, 2.8, 0.05);
+}
+
+TEST(Hands, ComeWithSips) {
+  const auto leaning = [](double about_x_rad) {
+    face::Motion motion = still_face(0);
+    for (face::MotionFrame& frame : motion.frames)
+      if (frame.time_s > 2 && frame.time_s < 4) frame.head = exp_rotation(Vec3(about_x_rad, 0, 0));
+    return eating_hands(motion);
+  };
+  const double back_rad = -12 * kRadPerDeg;
+  ASSERT_GT((exp_rotation(Vec3(back_rad, 0, 0)) * Vec3::UnitZ()).y(), 0) << "the face looks up";
+  const std::vector<HandBefore> hands = leaning(back_rad);
+  ASSERT_EQ(hands.size(), 1U) << "the mouth is shut, but the cup is before it";
+  EXPECT_NEAR(hands[0].begin_s, 2, 0.05) << "it comes with the head, not half a second before";
+  EXPECT_NEAR(hands[0].end_s, 4.3, 0.05);
+  EXPECT_TRUE(leaning(-back_rad).empty()) << "who looks down at the plate does not drink";
+  EXPECT_TRUE(leaning(-3 * kRadPerDeg).empty()) << "nor who hardly leans back";
 }
 
 TEST(TurnedAwayHead, LooksAsideAndBack) {

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/study/trackers/tracker_strip.h"
 #include "mien/study/trackers/trackers_report.h"
@@ -12,6 +14,7 @@ namespace mien::study::trackers_study_test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
 using ::testing::Not;
 
 const std::vector<std::string> kSensors = {"mentalis", "buccinator_L"};
@@ -67,6 +70,7 @@ void expect_all_methods(const TrackersStudy& done) {
     ASSERT_TRUE(row.moment) << row.key;
     EXPECT_EQ(row.moment->lines.size(), row.methods.size());
     EXPECT_NE(row.moment->worst, kOwnCurves);
+    EXPECT_LE(row.moment->above_mm, row.moment->pve_mm);
     EXPECT_EQ(row.find("nobody"), nullptr);
   }
 }
@@ -87,7 +91,21 @@ void expect_a_page(const TrackersStudy& done) {
   const std::string pictured = trackers_report(done, "", pictures)->html();
   EXPECT_THAT(pictured, HasSubstr("worst of all"));
   EXPECT_THAT(pictured, Not(HasSubstr("of no row")));
-  EXPECT_EQ(trackers_table(done).strong_rows.size(), done.rows.size());
+  const measure::Table errors = trackers_table(done);
+  EXPECT_EQ(errors.strong_rows.size(), done.rows.size());
+  const auto above = std::ranges::find(errors.columns, "above Mien (IMUs)") - errors.columns.begin();
+  ASSERT_LT(above, std::ssize(errors.columns));
+  for (const auto& row : errors.rows) {
+    if (row.size() == 1) continue;
+    ASSERT_EQ(row.size(), errors.columns.size());
+    const std::string& cell = row[static_cast<std::size_t>(above)];
+    if (row[0] == kOwnCurves) {
+      EXPECT_EQ(cell, "-");
+    } else {
+      EXPECT_THAT(cell, MatchesRegex("[+-][0-9.]+ ± [0-9.]+"));
+    }
+  }
+  EXPECT_THAT(html, HasSubstr("mm above that of Mien (IMUs), gaps held"));
   const measure::Table lags = lag_table(done);
   for (const auto& row : lags.rows) EXPECT_TRUE(row.size() == 1 || row.size() == 4);
 }
@@ -167,6 +185,17 @@ TEST(RecordedTrackers, HaveAPageWithoutModels) {
   EXPECT_THAT(html, HasSubstr("1.25 mm"));
   EXPECT_THAT(html, HasSubstr("50.0 % of the frames in gaps"));
   EXPECT_THAT(html, Not(HasSubstr("Modelled, not measured")));
+  EXPECT_THAT(html, Not(HasSubstr("its offset")));
+
+  study.shared_clock = false;
+  EXPECT_THAT(trackers_report(study, "")->html(),
+              HasSubstr("vertex error with gaps held, its offset taken out"));
+  method.performers[0][static_cast<std::size_t>(TrackerMeasure::pve_held)].reset();
+  study.offset_unknown = {"phone"};
+  const std::string unknown = trackers_report(study, "")->html();
+  EXPECT_THAT(unknown, HasSubstr("phone: how much earlier or later it began than the truth was not found"));
+  EXPECT_THAT(unknown, HasSubstr("its offset was not found; 50.0 %"));
+  EXPECT_THAT(unknown, Not(HasSubstr("1.25 mm")));
 }
 
 }  // namespace
