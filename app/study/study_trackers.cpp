@@ -131,8 +131,12 @@ Result<StudiedTrackers> compare_recordings(const StudyTrackersOptions& options) 
   MIEN_TRY_ASSIGN(const study::CurveComparison comparison,
                   study::compare_curves(meter, truth, trackers, settings));
   clear_progress();
-  return StudiedTrackers{study::study_of(comparison, path.filename().string()),
-                         fmt::format("truth {}, on the face {}", path.filename().string(), options.face)};
+  return StudiedTrackers{
+      study::study_of(comparison, path.filename().string()),
+      fmt::format("truth {}, on the face {}; over {:.1f} s that all have in common, of the "
+                  "truth's {:.1f} s",
+                  path.filename().string(), options.face,
+                  comparison.time_s.back() - comparison.time_s.front(), truth.last_s() - truth.first_s())};
 }
 
 Result<StudiedTrackers> let_perform(StudyTrackersOptions& options) {
@@ -230,23 +234,28 @@ Json study_json(const study::TrackersStudy& study, const StudyTrackersOptions& o
 }
 
 /// Pictures of the worst moments. Where they cannot be drawn the page is without them, and says so on stderr.
-std::vector<study::TrackerPicture> pictures_of(const study::TrackersStudy& study, const std::string& what) {
+/// Errors: cancelled.
+Result<std::vector<study::TrackerPicture>> pictures_of(const study::TrackersStudy& study,
+                                                       const std::string& what) {
   std::vector<study::TrackerPicture> out;
+  const auto without = [](const Error& error) {
+    clear_progress();
+    fmt::print(stderr, "mien: no pictures of the worst moments: {}\n", without_controls(error.message()));
+    return std::vector<study::TrackerPicture>();
+  };
   const auto face = chosen_face(what);
-  if (!face) {
-    fmt::print(stderr, "mien: no pictures of the worst moments: {}\n",
-               without_controls(face.error().message()));
-    return out;
-  }
+  if (!face) return without(face.error());
+  const Progress progress = terminal_progress("pictures");
   for (const study::TrackersRow& row : study.rows) {
+    if (!progress(static_cast<double>(out.size()) / static_cast<double>(study.rows.size()), row.title))
+      return fail(ErrorCode::cancelled,
+                  "stopped while pictures were drawn; trackers.txt and .json are whole");
     auto picture = study::tracker_picture(*face, row);
-    if (!picture) {
-      fmt::print(stderr, "mien: no pictures of the worst moments: {}\n",
-                 without_controls(picture.error().message()));
-      return {};
-    }
+    if (!picture) return without(picture.error());
     out.push_back(std::move(*picture));
   }
+  progress(1, "drawn");
+  clear_progress();
   return out;
 }
 
@@ -265,21 +274,23 @@ Result<void> run_study_trackers(StudyTrackersOptions options) {
     options.request.performers = std::min(options.request.performers, 2);
     options.request.seconds = std::min(options.request.seconds, 10.0);
   }
-  const std::filesystem::path folder = options.out;
-  MIEN_TRY(make_private_folders(folder));
   StudiedTrackers studied;
   if (options.truth.empty()) {
     MIEN_TRY_ASSIGN(studied, let_perform(options));
   } else {
     MIEN_TRY_ASSIGN(studied, compare_recordings(options));
   }
+  if (options.quick) studied.subtitle += "; quick, compares nothing";
+  const std::filesystem::path folder = options.out;
+  MIEN_TRY(make_private_folders(folder));
   const std::string text = study_text(studied.study);
   const Json json = study_json(studied.study, options);
-  MIEN_TRY_ASSIGN(
-      const measure::Report report,
-      study::trackers_report(studied.study, studied.subtitle, pictures_of(studied.study, options.face)));
   MIEN_TRY(write_file(folder / "trackers.txt", text + study::trackers_legend(studied.study) + "\n"));
   MIEN_TRY(write_file(folder / "trackers.json", json_text(json)));
+  MIEN_TRY_ASSIGN(const std::vector<study::TrackerPicture> pictures,
+                  pictures_of(studied.study, options.face));
+  MIEN_TRY_ASSIGN(const measure::Report report,
+                  study::trackers_report(studied.study, studied.subtitle, pictures));
   MIEN_TRY(report.write(folder / "trackers.html"));
   if (options.json) {
     print_json(json);

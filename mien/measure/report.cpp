@@ -116,7 +116,8 @@ std::string plain_text(const Table& table) {
   };
   line(table.columns);
   for (std::size_t r = 0; r < table.rows.size(); ++r) {
-    if (std::ranges::find(table.strong_rows, r) != table.strong_rows.end()) out += "\n";
+    const bool heads = table.rows[r].size() == 1 && table.columns.size() > 1;
+    if (heads && std::ranges::find(table.strong_rows, r) != table.strong_rows.end()) out += "\n";
     line(table.rows[r]);
   }
   return out;

@@ -278,10 +278,12 @@ Result<void> check_curves(const TrackerCurves& truth, std::span<const TrackerCur
     const double begin_s = std::max(truth.first_s(), trackers[i].first_s());
     const double end_s = std::min(truth.last_s(), trackers[i].last_s());
     if (trackers[i].rows.empty() || end_s - begin_s < kLeastOverlap_s)
-      return fail(ErrorCode::mismatch,
-                  fmt::format("it has less than a second in common with the truth: {}, {}",
-                              time_range(trackers[i]), time_range(truth)),
-                  trackers[i].name, "count both from their beginnings, or move one of them");
+      return fail(
+          ErrorCode::mismatch,
+          fmt::format("it has less than a second in common with the truth: {}, {}", time_range(trackers[i]),
+                      time_range(truth)),
+          trackers[i].name,
+          "move it by --offset, or leave out --shared-clock so that both count from their beginnings");
   }
   return {};
 }

@@ -35,7 +35,7 @@ float weight_in(std::string_view cell, double value) {
 std::unexpected<Error> no_score(std::string_view written, const std::string& where) {
   return fail(ErrorCode::out_of_range,
               fmt::format("'{}' is no score within {}", excerpt(written), kMostTrackerWeight), where,
-              "scores are 0 to 1; divide percent by 100");
+              "scores are 0 to 1 (divide percent by 100); leave the row out where there is none");
 }
 
 bool is_score(double value) {

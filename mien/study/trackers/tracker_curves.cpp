@@ -165,7 +165,10 @@ Result<TrackerCurves> parse_tracker_curves(std::span<const std::byte> bytes, con
   const std::optional<CurvesFormat> format = curves_format(bytes);
   if (!format)
     return fail(
-        ErrorCode::unsupported, "this is no recording of a tracker that is known", name,
+        ErrorCode::unsupported,
+        fmt::format("this is no recording of a tracker that is known; it begins with '{}'",
+                    excerpt(text.substr(0, text.find('\n')))),
+        name,
         "give a Live Link Face CSV, MediaPipe's results as one JSON object a line, a CSV with a column "
         "time_s or timestamp_ms, or a recording of OpenSeeFace");
   switch (*format) {
@@ -192,7 +195,13 @@ Result<TrackerCurves> read_tracker_curves(const std::filesystem::path& path) {
   curves.name = path.stem().string();
   const bool seen =
       std::ranges::any_of(curves.rows, [](const TrackerRow& row) { return row.weights.has_value(); });
-  if (!seen) return fail(ErrorCode::not_found, "the face is lost in every row", path.string());
+  if (!seen)
+    return fail(ErrorCode::not_found, "the face is lost in every row", path.string(),
+                "record with the face before the camera");
+  constexpr double kSlowest_s = 1;  // Between rows of what is a tracker at all.
+  if (curves.period_s() > kSlowest_s)
+    return fail(ErrorCode::out_of_range, fmt::format("its rows are {:.3g} s apart", curves.period_s()),
+                path.string(), "give seconds in a column time_s, or milliseconds in one called timestamp_ms");
   return curves;
 }
 

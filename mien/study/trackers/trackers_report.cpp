@@ -120,11 +120,11 @@ std::vector<measure::KeyFigure> tracker_key_figures(const TrackersStudy& study) 
     if (own == nullptr) {
       const char* offset = study.shared_clock ? "" : ", its offset taken out";
       for (const TrackerMethod& method : row.methods) {
-        const auto held = method.over(TrackerMeasure::pve_held);
+        const auto held = method.over(TrackerMeasure::pve_whole);
         out.push_back({fmt::format("{}, {}", method.name, row.title),
                        held ? fmt::format("{:.2f} mm", held->mean) : "-",
                        fmt::format("{}; {:.1f} % of the frames in gaps",
-                                   held ? fmt::format("vertex error with gaps held{}", offset)
+                                   held ? fmt::format("vertex error, gaps held, all shapes{}", offset)
                                         : "its offset was not found",
                                    100 * method.over(TrackerMeasure::gap_share)->mean)});
       }

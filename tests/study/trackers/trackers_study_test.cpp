@@ -179,18 +179,18 @@ TEST(RecordedTrackers, HaveAPageWithoutModels) {
   TrackerMethod& method = row.methods.emplace_back();
   method.name = "phone";
   method.performers.emplace_back();
-  method.performers[0][static_cast<std::size_t>(TrackerMeasure::pve_held)] = 1.25;
+  method.performers[0][static_cast<std::size_t>(TrackerMeasure::pve_whole)] = 1.25;
   method.performers[0][static_cast<std::size_t>(TrackerMeasure::gap_share)] = 0.5;
   const std::string html = trackers_report(study, "")->html();
   EXPECT_THAT(html, HasSubstr("1.25 mm"));
   EXPECT_THAT(html, HasSubstr("50.0 % of the frames in gaps"));
   EXPECT_THAT(html, Not(HasSubstr("Modelled, not measured")));
-  EXPECT_THAT(html, Not(HasSubstr("its offset")));
+  EXPECT_THAT(html, Not(HasSubstr("its offset taken")));
 
   study.shared_clock = false;
   EXPECT_THAT(trackers_report(study, "")->html(),
-              HasSubstr("vertex error with gaps held, its offset taken out"));
-  method.performers[0][static_cast<std::size_t>(TrackerMeasure::pve_held)].reset();
+              HasSubstr("vertex error, gaps held, all shapes, its offset taken out"));
+  method.performers[0][static_cast<std::size_t>(TrackerMeasure::pve_whole)].reset();
   study.offset_unknown = {"phone"};
   const std::string unknown = trackers_report(study, "")->html();
   EXPECT_THAT(unknown, HasSubstr("phone: how much earlier or later it began than the truth was not found"));
