@@ -56,7 +56,7 @@ std::vector<std::string> quick_rows(const sensor::Rig& rig, bool stand_ins) {
 }
 
 Json to_json(const study::AblationStudy& study, const study::AblationResult& result) {
-  using study::RowErrors, study::SeedFigures;
+  using study::SeedErrors, study::SeedFigures;
   Json out = {{"name", result.row.name},
               {"group", result.row.group},
               {"title", result.row.title},
@@ -66,24 +66,24 @@ Json to_json(const study::AblationStudy& study, const study::AblationResult& res
               {"tests", Json::object()}};
   for (std::size_t s = 0; s < study::kTestSetCount; ++s) {
     const auto set = static_cast<study::TestSet>(s);
-    const study::RowErrors& errors = result.on(set);
+    const study::SeedErrors& errors = result.on(set);
     if (errors.empty()) continue;
     Json& test = out["tests"][std::string(study::ablation_test_name(set))];
-    const auto of = [&](SeedFigures RowErrors::*measure) {
+    const auto of = [&](SeedFigures SeedErrors::*measure) {
       return interval_json(study::mean_interval(study::figures_of(result, set, measure)));
     };
-    const auto change = [&](SeedFigures RowErrors::*measure) {
+    const auto change = [&](SeedFigures SeedErrors::*measure) {
       const std::optional<study::Interval> changed = study::change_of(study, result, set, measure);
       return changed ? interval_json(*changed) : Json();
     };
-    test = {{"pve_mm", of(&RowErrors::pve_mm)},
-            {"lmk_mm", of(&RowErrors::lmk_mm)},
-            {"mse", of(&RowErrors::mse)},
+    test = {{"pve_mm", of(&SeedErrors::pve_mm)},
+            {"lmk_mm", of(&SeedErrors::lmk_mm)},
+            {"mse", of(&SeedErrors::mse)},
             {"jitter_ratio", study::mean_interval(errors.jitter).mean},
             {"pve_mm_by_seed_and_person", errors.pve_mm},
             {"mse_by_seed_and_person", errors.mse},
-            {"pve_change", change(&RowErrors::pve_mm)},
-            {"mse_change", change(&RowErrors::mse)}};
+            {"pve_change", change(&SeedErrors::pve_mm)},
+            {"mse_change", change(&SeedErrors::mse)}};
   }
   return out;
 }

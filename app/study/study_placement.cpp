@@ -165,10 +165,10 @@ Json to_json(const study::PlacementStudy& study, const PlacementOptions& options
   for (const study::TrainedPlacement& row : study.trained)
     out["trained"].push_back({{"name", row.name},
                               {"sensors", row.sensors},
-                              {"device_pve_mm", row.device_pve_mm},
-                              {"device_mse", row.device_mse},
-                              {"lab_pve_mm", row.lab_pve_mm},
-                              {"lab_mse", row.lab_mse}});
+                              {"device_pve_mm", row.device.pve_mm},
+                              {"device_mse", row.device.mse},
+                              {"lab_pve_mm", row.lab.pve_mm},
+                              {"lab_mse", row.lab.mse}});
   out["contests"] = Json::array();
   for (const study::PlacementContest& one : study.contests)
     out["contests"].push_back({{"ours", one.ours},

@@ -26,6 +26,16 @@ Result<PersonErrors> errors_of(const model::ModelFile& model, const std::vector<
 
 }  // namespace
 
+void SeedErrors::add_seed(std::span<const PersonErrors> people) {
+  for (SeedFigures* figures : {&pve_mm, &lmk_mm, &mse, &jitter}) figures->emplace_back();
+  for (const PersonErrors& person : people) {
+    pve_mm.back().push_back(person.pve_mm);
+    lmk_mm.back().push_back(person.lmk_mm);
+    mse.back().push_back(person.mse);
+    jitter.back().push_back(person.jitter);
+  }
+}
+
 Result<std::vector<PersonErrors>> errors_of_people(const model::ModelFile& model,
                                                    const std::vector<std::string>& sensors,
                                                    std::span<const ImuPerson> people,

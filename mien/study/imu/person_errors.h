@@ -8,6 +8,7 @@
 #include "mien/measure/metrics.h"
 #include "mien/model/model_file.h"
 #include "mien/study/imu/watched_person.h"
+#include "mien/study/interval.h"
 
 namespace mien::study {
 
@@ -17,6 +18,14 @@ struct PersonErrors {
   double lmk_mm = 0;  ///< Mean error of the 68 landmarks; 0 on a face without them.
   double mse = 0;     ///< Of the 53 weights.
   double jitter = 0;  ///< Third difference of the landmarks over the truth's; 0 where the truth rests.
+};
+
+/// Errors of a network that was trained with several seeds: of each seed one figure a person.
+struct SeedErrors {
+  SeedFigures pve_mm, lmk_mm, mse, jitter;
+  [[nodiscard]] bool empty() const { return pve_mm.empty(); }
+  /// One more seed's, of the same people in the same order.
+  void add_seed(std::span<const PersonErrors> people);
 };
 
 /// Each person's errors, in their order. `sensors`: names of the features' entries; those that the model does

@@ -75,7 +75,7 @@ measure::BarPlot changes_plot(const AblationStudy& study) {
   plot.series = {"PVE"};
   for (const auto* rows : {&study.rows, &study.shipped})
     for (const AblationResult& row : *rows) {
-      const RowErrors& errors = row.on(TestSet::device);
+      const SeedErrors& errors = row.on(TestSet::device);
       if (errors.empty()) continue;
       const Interval of = mean_interval(errors.pve_mm);
       plot.groups.push_back({row.row.title, {of.mean}, {of.half()}});
@@ -103,7 +103,7 @@ std::vector<measure::LinePlot> curve_plots(const AblationStudy& study) {
 }  // namespace
 
 std::optional<Interval> change_of(const AblationStudy& study, const AblationResult& row, TestSet set,
-                                  SeedFigures RowErrors::*measure) {
+                                  SeedFigures SeedErrors::*measure) {
   // Of those who are trained on, rows with fewer people have others.
   const bool others = set == TestSet::seen && row.row.one_in > 1;
   if (&row == study.rows.data() || row.row.group == kShippedGroup || others) return std::nullopt;
@@ -121,17 +121,17 @@ measure::Table ablation_table(const AblationStudy& study, TestSet set) {
   std::string group;
   for (const auto* rows : {&study.rows, &study.shipped})
     for (const AblationResult& row : *rows) {
-      const RowErrors& errors = row.on(set);
+      const SeedErrors& errors = row.on(set);
       if (errors.empty()) continue;
       if (row.row.group != group) {
         group = row.row.group;
         table.rows.push_back({group_title(group)});
       }
-      const auto figures = [&](SeedFigures RowErrors::*measure) { return figures_of(row, set, measure); };
-      table.rows.push_back({row.row.title, with_interval(figures(&RowErrors::pve_mm)),
-                            percent(change_of(study, row, set)), with_interval(figures(&RowErrors::lmk_mm)),
+      const auto figures = [&](SeedFigures SeedErrors::*measure) { return figures_of(row, set, measure); };
+      table.rows.push_back({row.row.title, with_interval(figures(&SeedErrors::pve_mm)),
+                            percent(change_of(study, row, set)), with_interval(figures(&SeedErrors::lmk_mm)),
                             fmt::format("{:.4f}", mean_interval(errors.mse).mean),
-                            percent(change_of(study, row, set, &RowErrors::mse)),
+                            percent(change_of(study, row, set, &SeedErrors::mse)),
                             fmt::format("{:.2f}", mean_interval(errors.jitter).mean)});
       if (&row == study.rows.data()) table.strong_rows.push_back(table.rows.size() - 1);
     }
@@ -149,11 +149,12 @@ measure::Table beside_the_paper(const AblationStudy& study) {
     const auto share = [](double value) { return fmt::format("{:+.0f} %", 100 * value); };
     table.rows.push_back({row->row.title, "CAPUS", share(paper.pve), share(paper.lmk), share(paper.mse)});
     for (const TestSet set : {TestSet::device, TestSet::lab}) {
-      const auto change = [&](SeedFigures RowErrors::*measure) {
+      const auto change = [&](SeedFigures SeedErrors::*measure) {
         return percent(change_of(study, *row, set, measure));
       };
       table.rows.push_back({"", set == TestSet::device ? "here, device" : "here, lab",
-                            change(&RowErrors::pve_mm), change(&RowErrors::lmk_mm), change(&RowErrors::mse)});
+                            change(&SeedErrors::pve_mm), change(&SeedErrors::lmk_mm),
+                            change(&SeedErrors::mse)});
     }
     if (row->row.sensors != base.row.sensors && base.bound_mse > 0)
       table.rows.push_back({"", "linear bound, one frame", share(row->bound_pve_mm / base.bound_pve_mm - 1),

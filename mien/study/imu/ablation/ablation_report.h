@@ -13,7 +13,7 @@ namespace mien::study {
 /// confidence; nothing for the base itself, for a model of one training, and where it was not tried.
 [[nodiscard]] std::optional<Interval> change_of(const AblationStudy& study, const AblationResult& row,
                                                 TestSet set,
-                                                SeedFigures RowErrors::*measure = &RowErrors::pve_mm);
+                                                SeedFigures SeedErrors::*measure = &SeedErrors::pve_mm);
 
 /// The rows beside each other on one test set; without rows where nobody was tried there.
 [[nodiscard]] measure::Table ablation_table(const AblationStudy& study, TestSet set);

@@ -327,14 +327,7 @@ class AblationWork {
     if (people.empty()) return {};
     MIEN_TRY_ASSIGN(const std::vector<PersonErrors> errors,
                     errors_of_people(model, tested.sensors, people, meter_, row.join));
-    RowErrors& to = out.errors[set];
-    for (SeedFigures* figures : {&to.pve_mm, &to.lmk_mm, &to.mse, &to.jitter}) figures->emplace_back();
-    for (const PersonErrors& person : errors) {
-      to.pve_mm.back().push_back(person.pve_mm);
-      to.lmk_mm.back().push_back(person.lmk_mm);
-      to.mse.back().push_back(person.mse);
-      to.jitter.back().push_back(person.jitter);
-    }
+    out.errors[set].add_seed(errors);
     return {};
   }
 
@@ -397,7 +390,7 @@ std::string_view ablation_test_name(TestSet set) {
   return kNames[static_cast<std::size_t>(set)];
 }
 
-SeedFigures figures_of(const AblationResult& row, TestSet set, SeedFigures RowErrors::*measure) {
+SeedFigures figures_of(const AblationResult& row, TestSet set, SeedFigures SeedErrors::*measure) {
   SeedFigures figures = row.on(set).*measure;
   if (set == TestSet::recorded)
     for (std::vector<double>& seed : figures)

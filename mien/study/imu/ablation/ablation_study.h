@@ -73,12 +73,6 @@ inline constexpr std::size_t kTestSetCount = 5;
 /// "device", "lab", ...
 [[nodiscard]] std::string_view ablation_test_name(TestSet set);
 
-/// Errors of one row's networks on one test set: of each seed one figure a person.
-struct RowErrors {
-  SeedFigures pve_mm, lmk_mm, mse, jitter;
-  [[nodiscard]] bool empty() const { return pve_mm.empty(); }
-};
-
 /// Validation against training, of a row's first seed.
 struct LossCurve {
   std::vector<double> steps, training_loss, validation_mse;
@@ -86,13 +80,13 @@ struct LossCurve {
 
 struct AblationResult {
   AblationRow row;
-  std::array<RowErrors, kTestSetCount> errors;  ///< By TestSet; empty where it was not tried.
-  LossCurve curve;                              ///< Empty of a shipped model.
+  std::array<SeedErrors, kTestSetCount> errors;  ///< By TestSet; empty where it was not tried.
+  LossCurve curve;                               ///< Empty of a shipped model.
   std::size_t parameters = 0;
   /// What the row's sensors tell by the linear bound (sensor_bound: prior 0.10, noise 2 degrees).
   double bound_mse = 0, bound_pve_mm = 0;
 
-  [[nodiscard]] const RowErrors& on(TestSet set) const { return errors[static_cast<std::size_t>(set)]; }
+  [[nodiscard]] const SeedErrors& on(TestSet set) const { return errors[static_cast<std::size_t>(set)]; }
 };
 
 /// Where one row was furthest from the truth, beside what the base answered then: of the first person of the
@@ -114,7 +108,8 @@ struct AblationStudy {
 
 /// One figure of a row, as intervals are of it. Recorded performances are few and nobody drew them: their
 /// mean stands for one person, so that an interval is over seeds alone.
-[[nodiscard]] SeedFigures figures_of(const AblationResult& row, TestSet set, SeedFigures RowErrors::*measure);
+[[nodiscard]] SeedFigures figures_of(const AblationResult& row, TestSet set,
+                                     SeedFigures SeedErrors::*measure);
 
 /// Trains every row with every seed, tries it on all test sets, and puts the bound beside it. The same
 /// request gives the same study. Errors: the rig's, chosen_rows's, the data's and the trainer's; cancelled.

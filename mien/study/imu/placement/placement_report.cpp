@@ -233,9 +233,9 @@ measure::Table placement_trained_table(const PlacementStudy& study, const Placem
       request.seeds, request.steps, request.data.performers, request.test_people);
   table.columns = {"", "sensors", "PVE device, mm", "MSE device", "PVE lab, mm", "MSE lab"};
   for (const TrainedPlacement& row : study.trained)
-    table.rows.push_back({row.title, fmt::format("{}", row.sensors), interval_text(row.device_pve_mm, 3),
-                          interval_text(row.device_mse, 4), interval_text(row.lab_pve_mm, 3),
-                          interval_text(row.lab_mse, 4)});
+    table.rows.push_back({row.title, fmt::format("{}", row.sensors), interval_text(row.device.pve_mm, 3),
+                          interval_text(row.device.mse, 4), interval_text(row.lab.pve_mm, 3),
+                          interval_text(row.lab.mse, 4)});
   return table;
 }
 

@@ -38,15 +38,10 @@ Result<PlacementTests> perform_tests(const PlacementTrainingRequest& request, co
 
 Result<void> try_people(const model::ModelFile& model, const PlacementTests& tests,
                         const std::vector<ImuPerson>& people, const measure::Meter& meter, unsigned threads,
-                        SeedFigures& pve_mm, SeedFigures& mse) {
-  MIEN_TRY_ASSIGN(const std::vector<PersonErrors> errors,
+                        SeedErrors& errors) {
+  MIEN_TRY_ASSIGN(const std::vector<PersonErrors> of_people,
                   errors_of_people(model, tests.sensors, people, meter, WindowJoin::overlap, threads));
-  pve_mm.emplace_back();
-  mse.emplace_back();
-  for (const PersonErrors& person : errors) {
-    pve_mm.back().push_back(person.pve_mm);
-    mse.back().push_back(person.mse);
-  }
+  errors.add_seed(of_people);
   return {};
 }
 
@@ -99,10 +94,8 @@ Result<std::vector<TrainedPlacement>> train_placements(const PlacementTrainingRe
       if (!progress(kPlacementTrainedShare + (1 - kPlacementTrainedShare) * done, row.title))
         return fail(ErrorCode::cancelled, "stopped", "study placement");
       const model::ModelFile& model = trained[r * request.seeds + s].model;
-      MIEN_TRY(try_people(model, tests[r], tests[r].device, meter, request.threads, row.device_pve_mm,
-                          row.device_mse));
-      MIEN_TRY(
-          try_people(model, tests[r], tests[r].lab, meter, request.threads, row.lab_pve_mm, row.lab_mse));
+      MIEN_TRY(try_people(model, tests[r], tests[r].device, meter, request.threads, row.device));
+      MIEN_TRY(try_people(model, tests[r], tests[r].lab, meter, request.threads, row.lab));
     }
   }
   return out;
@@ -123,10 +116,10 @@ std::string PlacementContest::verdict() const {
 PlacementContest contest(const TrainedPlacement& ours, const TrainedPlacement& paper) {
   return {.ours = ours.title,
           .paper = paper.title,
-          .device = change_interval(ours.device_pve_mm, paper.device_pve_mm),
-          .lab = change_interval(ours.lab_pve_mm, paper.lab_pve_mm),
-          .device_mse = change_interval(ours.device_mse, paper.device_mse),
-          .lab_mse = change_interval(ours.lab_mse, paper.lab_mse)};
+          .device = change_interval(ours.device.pve_mm, paper.device.pve_mm),
+          .lab = change_interval(ours.lab.pve_mm, paper.lab.pve_mm),
+          .device_mse = change_interval(ours.device.mse, paper.device.mse),
+          .lab_mse = change_interval(ours.lab.mse, paper.lab.mse)};
 }
 
 }  // namespace mien::study

@@ -8,6 +8,7 @@
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/sensor/rig.h"
+#include "mien/study/imu/person_errors.h"
 #include "mien/study/imu/short_recipe.h"
 #include "mien/study/imu/short_training.h"
 #include "mien/study/interval.h"
@@ -36,8 +37,7 @@ struct PlacementRig {
 struct TrainedPlacement {
   std::string name, title;
   std::size_t sensors = 0;
-  SeedFigures device_pve_mm, device_mse;  ///< In the profile *device*.
-  SeedFigures lab_pve_mm, lab_mse;        ///< In *lab*.
+  SeedErrors device, lab;  ///< In either profile.
 };
 
 /// Trains and tries each set. Every set has data of its own, which the same virtual people perform: what a

@@ -146,10 +146,10 @@ TEST(Ablation, LearnsFromStandInsAndTriesShippedModelsAndRecordings) {
   for (const AblationResult& row : study->rows) {
     EXPECT_EQ(row.on(TestSet::recorded).pve_mm.front().size(), 2U);
     // Two recordings are no sample of people.
-    for (const std::vector<double>& seed : figures_of(row, TestSet::recorded, &RowErrors::pve_mm))
+    for (const std::vector<double>& seed : figures_of(row, TestSet::recorded, &SeedErrors::pve_mm))
       EXPECT_EQ(seed.size(), 1U);
   }
-  EXPECT_TRUE(change_of(*study, study->rows[2], TestSet::recorded, &RowErrors::mse));
+  EXPECT_TRUE(change_of(*study, study->rows[2], TestSet::recorded, &SeedErrors::mse));
 }
 
 TEST(Ablation, DataOfTakesAreKnownByTheirFiles) {

@@ -36,17 +36,17 @@ TrainedPlacement papers_five() {
   return {.name = "paper-five",
           .title = "the paper's five",
           .sensors = 5,
-          .device_pve_mm = {{1.0, 1.2, 1.1}, {1.0, 1.2, 1.1}},
-          .device_mse = {{0.01, 0.012, 0.011}, {0.01, 0.012, 0.011}},
-          .lab_pve_mm = {{0.9, 1.1, 1.0}, {0.9, 1.1, 1.0}},
-          .lab_mse = {{0.01, 0.012, 0.011}, {0.01, 0.012, 0.011}}};
+          .device = {.pve_mm = {{1.0, 1.2, 1.1}, {1.0, 1.2, 1.1}},
+                     .mse = {{0.01, 0.012, 0.011}, {0.01, 0.012, 0.011}}},
+          .lab = {.pve_mm = {{0.9, 1.1, 1.0}, {0.9, 1.1, 1.0}},
+                  .mse = {{0.01, 0.012, 0.011}, {0.01, 0.012, 0.011}}}};
 }
 
 TrainedPlacement greedy_five() {
   TrainedPlacement ours = papers_five();
   ours.name = "greedy-five";
   ours.title = "greedy five";
-  for (auto& seed : ours.device_pve_mm)
+  for (auto& seed : ours.device.pve_mm)
     for (double& pve_mm : seed) pve_mm *= 0.8;
   return ours;
 }

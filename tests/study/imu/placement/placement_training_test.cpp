@@ -43,11 +43,11 @@ TEST(TrainPlacements, GivesEachSetItsOwnDataOfTheSamePeople) {
 
   ASSERT_EQ(trained->size(), 2U);
   for (const TrainedPlacement& row : *trained)
-    for (const SeedFigures* figures : {&row.device_pve_mm, &row.device_mse, &row.lab_pve_mm, &row.lab_mse}) {
+    for (const SeedFigures* figures : {&row.device.pve_mm, &row.device.mse, &row.lab.pve_mm, &row.lab.mse}) {
       ASSERT_EQ(figures->size(), 2U);
       for (const std::vector<double>& seed : *figures) EXPECT_EQ(seed.size(), 2U);
     }
-  EXPECT_NE((*trained)[0].device_pve_mm[0], (*trained)[0].device_pve_mm[1]);
+  EXPECT_NE((*trained)[0].device.pve_mm[0], (*trained)[0].device.pve_mm[1]);
 }
 
 }  // namespace
