@@ -205,7 +205,8 @@ Result<void> run_study_ablation(StudyAblationOptions options) {
 void add_study_ablation(Commands& commands, Command study) {
   auto options = std::make_shared<StudyAblationOptions>();
   const Command command = commands.add_under(
-      study, "ablation", "What fewer sensors, less data and other networks cost, by short trainings",
+      study, "ablation",
+      "What fewer sensors, less data and other networks cost, by short trainings (needs mien-train)",
       "mien study ablation --out ablation\n  mien study ablation --rows five_sensors --out five",
       [options] { return run_study_ablation(*options); });
   study::AblationRequest& request = options->request;

@@ -285,11 +285,12 @@ Result<void> run_study_placement(PlacementOptions options) {
 
 void add_study_placement(Commands& commands, Command study) {
   auto options = std::make_shared<PlacementOptions>();
-  const Command command =
-      commands.add_under(study, "placement", "Where on the face sensors tell most, for any number of them",
-                         "mien study placement --out placement\n"
-                         "  mien study placement --sensors 5 --no-training --write-rig five.toml --out five",
-                         [options] { return run_study_placement(*options); });
+  const Command command = commands.add_under(
+      study, "placement",
+      "Where on the face sensors tell most, for any number of them (needs mien-train unless --no-training)",
+      "mien study placement --out placement\n"
+      "  mien study placement --sensors 5 --no-training --write-rig five.toml --out five",
+      [options] { return run_study_placement(*options); });
   study::PlacementRequest& request = options->request;
   command.add_option(
       "--rig", options->rig,
