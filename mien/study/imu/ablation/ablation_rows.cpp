@@ -104,7 +104,7 @@ std::vector<AblationRow> ablation_rows(const sensor::Rig& rig, bool stand_ins) {
 
   table.add({.name = "no_difference",
              .group = "networks",
-             .title = "recurrent, by the others' loss: changes from frame to frame are not in it",
+             .title = "recurrent, changes not in its loss",
              .difference_weight = 0});
   table.add({.name = "transformer",
              .group = "networks",
