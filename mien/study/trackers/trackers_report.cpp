@@ -176,11 +176,10 @@ std::string modelled_notice() {
   return "Modelled, not measured: no camera looked at anybody here. The camera trackers are models, made of "
          "what is published of each and of assumptions where nothing is; the numbers that matter most stand "
          "below with their sources. Their delays have a camera's exposure and a webcam's buffer in them, "
-         "ours "
-         "no radio. Ours is measured on simulated sensors that are worn by virtual performers. What these "
-         "figures say is where trackers of each kind must fail and what that costs; how large their errors "
-         "are "
-         "on real faces only recordings tell (mien study trackers --truth FILE --curves NAME=FILE).";
+         "ours no radio. Ours is measured on simulated sensors that are worn by virtual performers. What "
+         "these figures say is where trackers of each kind must fail and what that costs; how large their "
+         "errors are on real faces only recordings tell (mien study trackers --truth FILE --curves "
+         "NAME=FILE).";
 }
 
 std::vector<std::string> offset_notices(const TrackersStudy& study) {
@@ -196,15 +195,11 @@ std::vector<std::string> offset_notices(const TrackersStudy& study) {
 std::string trackers_legend(const TrackersStudy& study) {
   std::string out =
       "All on one time line: the truth's frames in the time that all recordings share. In gaps: frames "
-      "without a "
-      "face, or more than three periods without a row. PVE seen: vertex error over the frames that the "
-      "tracker "
-      "saw, its lag in it; without lag: the same moved by the lag that was found; held: over all frames, an "
-      "avatar keeping the last face in gaps. Up to there, and for landmarks, shapes that a tracker does not "
-      "tell "
-      "are taken from the truth; all shapes: they stay 0. MSE told: over the shapes that it tells, held; "
-      "common: "
-      "over those that all tell.";
+      "without a face, or more than three periods without a row. PVE seen: vertex error over the frames that "
+      "the tracker saw, its lag in it; without lag: the same moved by the lag that was found; held: over all "
+      "frames, an avatar keeping the last face in gaps. Up to there, and for landmarks, shapes that a "
+      "tracker does not tell are taken from the truth; all shapes: they stay 0. MSE told: over the shapes "
+      "that it tells, held; common: over those that all tell.";
   if (!study.shared_clock)
     out +=
         " These recordings share no clock. Each is counted from its first row, so that its lag has in it "

@@ -207,8 +207,7 @@ std::string placement_paper_words(const PlacementStudy& study) {
   const PaperSitesStudy& felt = study.paper_sites;
   std::string words = fmt::format(
       "Rank correlation with the paper's table over all sites, each as a share of its area's mean: {:+.2f} "
-      "for "
-      "the skin's acceleration, {:+.2f} for what an accelerometer reads, {:+.2f} for the rotation.",
+      "for the skin's acceleration, {:+.2f} for what an accelerometer reads, {:+.2f} for the rotation.",
       felt.acceleration.all, felt.accelerometer.all, felt.rotation.all);
   for (std::size_t a = 0; a < kPaperAreas.size(); ++a) {
     const int paper = strongest_site(felt.sites, kPaperAreas[a], paper_value);
@@ -221,8 +220,7 @@ std::string placement_paper_words(const PlacementStudy& study) {
   return words +
          " The paper gives neither units nor coordinates nor how the areas were moved; its unused sites were "
          "placed here by anatomy (rigs/candidates.toml). So orders can be compared, magnitudes cannot; and "
-         "an "
-         "order of four or five says little.";
+         "an order of four or five says little.";
 }
 
 measure::Table placement_trained_table(const PlacementStudy& study, const PlacementTrainingRequest& request) {
@@ -255,12 +253,10 @@ std::string placement_legend(const PlacementRequest& request) {
       "The bound is what one frame of orientations tells at best by a linear map: noise of {:.2g} degrees an "
       "axis, shapes independent beforehand with a standard deviation of {:.2g}. Sites are chosen one step "
       "after the other so that {} becomes least; {}. RMS is the root of the expected squared displacement of "
-      "the "
-      "skin's vertices, PVE the mean displacement. Misplacement: the estimate believes that the sensor sits "
-      "where it should; \"learnt\" is after the wearer's skin was learnt where it sits. A sensor's own axes "
-      "cost nothing: its neutral takes them out; what is turned here is the skin below it. Between the sites "
-      "of "
-      "the default rig the built-in skin is nobody's measurement. Method: docs/method/placement.md.",
+      "the skin's vertices, PVE the mean displacement. Misplacement: the estimate believes that the sensor "
+      "sits where it should; \"learnt\" is after the wearer's skin was learnt where it sits. A sensor's own "
+      "axes cost nothing: its neutral takes them out; what is turned here is the skin below it. Between the "
+      "sites of the default rig the built-in skin is nobody's measurement. Method: docs/method/placement.md.",
       kDegPerRad * request.settings.noise_rad, request.settings.prior, objective_words(request.objective),
       request.settings.one_sided ? "each side for itself" : "left and right alike");
 }
