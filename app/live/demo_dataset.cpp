@@ -39,7 +39,7 @@ std::string new_dataset(const std::filesystem::path& folder) {
 }
 
 /// The session tells its state five times a second; what it was asked is seen by then, on a busy machine too.
-constexpr auto kSeen = std::chrono::seconds(10);
+constexpr auto kSeen = std::chrono::seconds(30);
 
 /// The performer's side: sends in real time until it is told to end.
 class Performer {
@@ -100,7 +100,7 @@ class Visitor {
           Clock::now() >= *begin + std::chrono::duration_cast<Clock::duration>(from_seconds(motion_s)))
         return {};
       MIEN_TRY(look());
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      MIEN_TRY(session_.listen_until(Clock::now() + std::chrono::milliseconds(5)));
     }
   }
 
@@ -126,7 +126,7 @@ class Visitor {
       auto said = session_.command(command);
       if (said || said.error().code != ErrorCode::bad_usage || Clock::now() > deadline) return said;
       MIEN_TRY(look());
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      MIEN_TRY(session_.listen_until(Clock::now() + std::chrono::milliseconds(50)));
     }
   }
 

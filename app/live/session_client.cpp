@@ -28,7 +28,12 @@ namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
 using BeastCode = beast::error_code;
 
+using Clock = std::chrono::steady_clock;
+
+/// How long silence is borne.
 constexpr auto kPatience = std::chrono::seconds(5);
+/// How long an answer is waited for while other news comes: a busy machine answers late.
+constexpr auto kAnswer = std::chrono::seconds(30);
 /// How soon a wish to stop is seen.
 constexpr auto kSlice = std::chrono::milliseconds(50);
 constexpr std::uint16_t kPagePort = 8740;
@@ -70,6 +75,8 @@ struct SessionClient::State {
   Result<void> connect(const Place& place, const std::atomic<bool>& stop);
   void read();
   void take(std::string_view text);
+  /// Does one thing that the network has to do, if there is any within a slice and before `until`.
+  void run_one(Clock::time_point until = Clock::time_point::max());
   void lose(std::string what, std::string fix = {}) {
     if (!broken) broken = Error{ErrorCode::io, std::move(what), where, std::move(fix)};
   }
@@ -86,6 +93,7 @@ struct SessionClient::State {
   std::optional<Error> broken;
   SessionStatus status;
   std::uint64_t statuses = 0;
+  Clock::time_point heard;  ///< The last message's arrival.
   std::vector<SessionEvent> events;
   std::int64_t commands = 0;
   std::optional<SessionReply> reply;
@@ -93,15 +101,20 @@ struct SessionClient::State {
 
 Result<void> SessionClient::State::wait(const std::function<bool()>& done, const char* silence,
                                         const std::atomic<bool>* stop) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  const Clock::time_point begin = Clock::now();
   while (!done()) {
     if (broken) return std::unexpected(*broken);
     if (stop != nullptr && *stop) return fail(ErrorCode::cancelled, "stopped", where);
-    if (std::chrono::steady_clock::now() >= deadline) lose(silence, kStartOne);
-    if (network.stopped()) network.restart();
-    network.run_one_for(kSlice);
+    if (Clock::now() >= std::min(std::max(begin, heard) + kPatience, begin + kAnswer))
+      lose(silence, kStartOne);
+    run_one();
   }
   return {};
+}
+
+void SessionClient::State::run_one(Clock::time_point until) {
+  if (network.stopped()) network.restart();
+  network.run_one_until(std::min(until, Clock::now() + kSlice));
 }
 
 Result<void> SessionClient::State::connect(const Place& place, const std::atomic<bool>& stop) {
@@ -152,6 +165,7 @@ void SessionClient::State::read() {
 }
 
 void SessionClient::State::take(std::string_view text) {
+  heard = Clock::now();
   auto message = parse_session_message(text);
   if (!message)
     return lose("what is there speaks no session's language: " + message.error().what,
@@ -202,6 +216,13 @@ Result<void> SessionClient::next_status() {
   State& s = *state_;
   const std::uint64_t known = s.statuses;
   return s.wait([&s, known] { return s.statuses > known; }, "the session says nothing any more");
+}
+
+Result<void> SessionClient::listen_until(Clock::time_point until) {
+  State& s = *state_;
+  while (!s.broken && Clock::now() < until) s.run_one(until);
+  if (s.broken) return std::unexpected(*s.broken);
+  return {};
 }
 
 std::vector<SessionEvent> SessionClient::take_events() {

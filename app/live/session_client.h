@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -13,8 +14,9 @@
 namespace mien::app {
 
 /// A terminal's line to a running `mien live`: says what the page may say, and hears how the session is
-/// (docs/reference/page_protocol.md). Every call blocks until it is done or five seconds have passed in
-/// silence; then the line is broken and later calls fail with the same words. Thread: one at a time.
+/// (docs/reference/page_protocol.md). Every call blocks until it is done, or until five seconds have passed
+/// in silence or thirty without what it waits for; then the line is broken and later calls fail with the same
+/// words. Thread: one at a time.
 class SessionClient {
  public:
   /// Connects and waits for the first status. `at` is HOST:PORT, or the page's address as `mien live` prints
@@ -35,6 +37,10 @@ class SessionClient {
   /// Waits for the next one: a quarter of a second at most while all is well. What it says may be as much
   /// older than the reply that came before it. Errors: io.
   [[nodiscard]] Result<void> next_status();
+
+  /// Hears what the session says until then. Who neither asks nor listens for seconds has everything of those
+  /// seconds to read before the next answer. Errors: io.
+  [[nodiscard]] Result<void> listen_until(std::chrono::steady_clock::time_point until);
 
   /// Events since the last call, the newest 64; then forgotten.
   [[nodiscard]] std::vector<SessionEvent> take_events();
