@@ -11,13 +11,15 @@ namespace mien::app {
 namespace {
 
 constexpr double kMostPveShare = 0.02;
-constexpr double kLeastHeardShare = 0.99;
+constexpr double kMostUnheardShare = 0.01;
 constexpr double kMostP99_ms = 1;
 constexpr double kMostP99Keyed_ms = 0.2;
 /// Frames at the window's ends come or stay out by a hair.
 constexpr double kMostAdded = 1;
-/// A tenth of a second: pictures that a busy machine sends late.
+/// A tenth of a second: pictures that a busy machine sends late, or not at all: of the frames, and of each of
+/// the two good cameras.
 constexpr double kMostFewer = 6;
+constexpr double kMostPicturesUnheard = 2 * kMostFewer;
 /// Ten seconds of frames, for a percentile of one in a hundred.
 constexpr double kLeastTimed = 600;
 /// What a session may need for strangers: its queues are of fixed size, and what strangers send that is well
@@ -64,7 +66,9 @@ std::vector<std::string> breaches(const Attack& attack, bool keyed,
   const AttackFigures with = median(attacked), without = median(quiet);
   if (keyed || !attack.behaves) {
     if (with.strangers > 0) out.push_back(fmt::format("{:.0f} readings of his accepted", with.strangers));
-    if (with.heard < kLeastHeardShare * without.heard)
+    const double most_unheard =
+        std::max(kMostUnheardShare * without.heard, attack.camera != nullptr ? kMostPicturesUnheard : 0);
+    if (with.heard < without.heard - most_unheard)
       out.push_back(
           fmt::format("{:.1f} % of the devices' readings accepted", 100 * with.heard / without.heard));
     if (without.pve_mm) {
