@@ -15,6 +15,7 @@
 #include "mien/model/correction_json.h"
 #include "mien/study/imu/trace_features.h"
 #include "mien/study/learn_from_phone.h"
+#include "mien/study/part_of_work.h"
 #include "mien/study/solve.h"
 #include "mien/take/take.h"
 
@@ -35,14 +36,15 @@ std::vector<float> skin_in(const std::vector<take::CalibrationVersion>& versions
 constexpr double kNewestS = 300;
 
 Result<live::TaughtByPhone> learn(const std::filesystem::path& path, const std::filesystem::path& model,
-                                  const std::string& face_name, const std::stop_token& stop) {
-  const Progress progress = [&stop](double, std::string_view) { return !stop.stop_requested(); };
+                                  const std::string& face_name, const Progress& progress) {
+  // Reading the take is a second or two of a dozen.
+  constexpr double kRead = 0.15;
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(path));
   if (study::traced_sensor_names(take.rig()).empty())
     return fail(ErrorCode::unsupported, "there are no sensors on the skin, whose answers could be corrected",
                 path.filename().string());
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> all, study::take_features(take));
-  if (stop.stop_requested()) return fail(ErrorCode::cancelled, "stopped", path.filename().string());
+  if (!progress(kRead, "learning")) return fail(ErrorCode::cancelled, "stopped", path.filename().string());
   constexpr auto kNewest = static_cast<std::size_t>(kNewestS * kFrameRateHz);
   const std::span features = std::span(all).last(std::min(all.size(), kNewest));
   MIEN_TRY_ASSIGN(std::vector<take::StoredSample> samples, take.samples());
@@ -59,8 +61,9 @@ Result<live::TaughtByPhone> learn(const std::filesystem::path& path, const std::
   if (std::vector<float> skin = skin_in(versions); file.skin && skin.size() == file.skin->standard.size())
     file.skin->wearer = std::move(skin);
   MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(face_name));
-  MIEN_TRY_ASSIGN(const study::LearntFromPhone lesson,
-                  study::learn_from_phone(take, features, track, face, file, progress));
+  MIEN_TRY_ASSIGN(
+      const study::LearntFromPhone lesson,
+      study::learn_from_phone(take, features, track, face, file, study::part_of_work(progress, kRead, 1)));
   if (!lesson.learnt.taken)
     return fail(
         ErrorCode::not_found,
@@ -87,8 +90,8 @@ Result<session::PromptScript> lesson_script() {
 
 live::PhoneLesson::Settings phone_teacher(const std::filesystem::path& model, const std::string& face) {
   return {.script = lesson_script,
-          .learn = [model, face](const std::filesystem::path& take, const std::stop_token& stop) {
-            return learn(take, model, face, stop);
+          .learn = [model, face](const std::filesystem::path& take, const Progress& progress) {
+            return learn(take, model, face, progress);
           }};
 }
 

@@ -218,13 +218,19 @@ void Engine::State::tell(const std::string& kind, const std::string& text) {
   if (page) page->send(event_json(kind, text));
 }
 
-Result<void> Engine::State::start_recording(const std::filesystem::path& path, const take::Header& header,
-                                            bool replace) {
-  MIEN_TRY(recorder.start(path, header, replace));
-  take = path;
+void Engine::State::start_recording(const std::filesystem::path& path, take::Header header,
+                                    std::function<void(const Result<void>&)> then) {
+  recorder.start(path, std::move(header), false, [this, path, then = std::move(then)](Result<void> started) {
+    boost::asio::post(network, [this, path, then, started = std::move(started)] {
+      if (started) has_begun(path);
+      then(started);
+    });
+  });
+}
+
+void Engine::State::has_begun(const std::filesystem::path& path) {
   recording_news.begin();
   tell("recording", "recording " + path.string());
-  return {};
 }
 
 std::vector<take::Note> Engine::State::notes() const {
@@ -266,9 +272,10 @@ Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
     MIEN_TRY_ASSIGN(state->page,
                     PageServer::open(state->network, *state->settings.page, hello, message, bytes));
   }
-  if (state->settings.record)
-    MIEN_TRY(
-        state->start_recording(*state->settings.record, state->settings.header, state->settings.replace));
+  if (state->settings.record) {
+    MIEN_TRY(state->recorder.start(*state->settings.record, state->settings.header, state->settings.replace));
+    state->has_begun(*state->settings.record);
+  }
   return std::unique_ptr<Engine>(new Engine(std::move(made)));
 }
 
@@ -333,13 +340,13 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   out.evicted = counts.evicted;
   out.malformed = out.report.malformed;
   for (const State::Outlet& outlet : s.outlets) out.sinks.push_back(outlet.sink->status());
-  out.take = s.take;
   std::vector<take::Note> notes = s.notes();
   notes.push_back({"live.hash", out.hash});
   notes.push_back({"live.frames", std::to_string(out.frames)});
   out.log = s.recorder.state().log;
   s.recorder.end(std::move(notes));
   if (const auto finished = s.recorder.wait(); !finished) out.recording_error = finished.error().message();
+  if (const std::filesystem::path take = s.recorder.state().path; !take.empty()) out.take = take;
   return out;
 }
 

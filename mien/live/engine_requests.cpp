@@ -73,17 +73,21 @@ void Engine::State::answer(std::uint64_t client, std::string_view text) {
       page->send(client, reply_json(number, "the session is busy; try again"));
     return;
   }
-  if (command["command"] == "dataset") {
-    answer_dataset(client, number, command);
-    return;
-  }
-  const Result<std::string> done = execute(client, command);
-  page->send(client, done ? reply_json(number, {}, *done) : reply_json(number, done.error().message()));
+  const Answered answered = [this, client, number](const Result<std::string>& done) {
+    page->send(client, done ? reply_json(number, {}, *done) : reply_json(number, done.error().message()));
+  };
+  if (command["command"] == "record")
+    answer_record(command, answered);
+  else if (command["command"] == "dataset")
+    answer_dataset(command, answered);
+  else if (command["command"] == "learn_phone")
+    answer_lesson(command, answered);
+  else
+    answered(execute(client, command));
 }
 
 Result<std::string> Engine::State::execute(std::uint64_t client, const json& command) {
   const std::string name = command["command"].get<std::string>();
-  if (name == "record") return execute_record(command);
   if (name == "sink") return execute_sink(command);
   if (name == "replay") return execute_replay(command);
   if (name == "listen") return execute_listen(command);
@@ -100,21 +104,24 @@ Result<std::string> Engine::State::execute(std::uint64_t client, const json& com
     if (first) tell("pictures", "a page is shown what the cameras see");
     return std::string();
   }
-  if (name == "learn_phone") return execute_lesson(command);
   if (name == "save_rig") return save_views(settings.rig, session->rig(), loop.report().links);
   if (name == "takes") return dumped(list_takes(true));
   return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), "page");
 }
 
-Result<std::string> Engine::State::execute_record(const json& command) {
-  MIEN_TRY_ASSIGN(const bool on, switch_field(command, "record"));
-  if (!on) {
+void Engine::State::answer_record(const json& command, const Answered& answered) {
+  const Result<bool> on = switch_field(command, "record");
+  if (!on) return answered(std::unexpected(on.error()));
+  if (!*on) {
     end_recording();
-    return std::string();
+    return answered(std::string());
   }
-  MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, text_field(command, "name")));
-  MIEN_TRY(start_recording(path, settings.header, false));
-  return dumped(json({{"take", path.string()}}));
+  const Result<std::filesystem::path> path = take_path(settings.takes, text_field(command, "name"));
+  if (!path) return answered(std::unexpected(path.error()));
+  start_recording(*path, settings.header, [answered, take = *path](const Result<void>& started) {
+    answered(started ? Result<std::string>(dumped(json({{"take", take.string()}})))
+                     : std::unexpected(started.error()));
+  });
 }
 
 std::filesystem::path Engine::State::growing() const {
@@ -122,55 +129,62 @@ std::filesystem::path Engine::State::growing() const {
   return recorded.on ? recorded.path : std::filesystem::path();
 }
 
-void Engine::State::answer_dataset(std::uint64_t client, std::int64_t number, const json& command) {
-  const auto reply = [this, client, number](const Result<std::string>& done) {
-    page->send(client, done ? reply_json(number, {}, *done) : reply_json(number, done.error().message()));
-  };
-  const auto refuse = [&reply](Error error) { reply(std::unexpected(std::move(error))); };
+void Engine::State::answer_dataset(const json& command, const Answered& answered) {
   if (const auto begin = command.find("begin"); begin != command.end()) {
     Result<DatasetWish> wish = dataset_wish(*begin);
-    if (!wish) return refuse(std::move(wish).error());
-    shelf.plan(*std::move(wish), growing(), [this, reply](Result<DatasetPlan> plan) {
-      boost::asio::post(network, [this, reply, plan = std::move(plan)] {
-        reply(plan ? begin_dataset(*plan) : std::unexpected(plan.error()));
+    if (!wish) return answered(std::unexpected(std::move(wish).error()));
+    shelf.plan(*std::move(wish), growing(), [this, answered](Result<DatasetPlan> plan) {
+      boost::asio::post(network, [this, answered, plan = std::move(plan)] {
+        if (plan)
+          begin_dataset(*plan, answered);
+        else
+          answered(std::unexpected(plan.error()));
       });
     });
   } else if (command.contains("list")) {
-    shelf.list(growing(), [this, reply](Result<DatasetShelf::Contents> contents) {
-      boost::asio::post(network, [reply, contents = std::move(contents)] {
-        reply(contents ? Result<std::string>(dumped(dataset_contents_json(*contents)))
-                       : std::unexpected(contents.error()));
+    shelf.list(growing(), [this, answered](Result<DatasetShelf::Contents> contents) {
+      boost::asio::post(network, [answered, contents = std::move(contents)] {
+        answered(contents ? Result<std::string>(dumped(dataset_contents_json(*contents)))
+                          : std::unexpected(contents.error()));
       });
     });
   } else if (command.contains("end")) {
     dataset.end();
-    reply(std::string());
+    answered(std::string());
   } else {
-    refuse({ErrorCode::malformed, "a dataset is listed, begun or ended", "dataset",
-            "docs/reference/page_protocol.md lists the commands"});
+    answered(fail(ErrorCode::malformed, "a dataset is listed, begun or ended", "dataset",
+                  "docs/reference/page_protocol.md lists the commands"));
   }
 }
 
-Result<std::string> Engine::State::begin_dataset(const DatasetPlan& plan) {
+void Engine::State::begin_dataset(const DatasetPlan& plan, const Answered& answered) {
+  const auto refuse = [&answered](ErrorCode code, std::string what, std::string where, std::string fix) {
+    answered(fail(code, std::move(what), std::move(where), std::move(fix)));
+  };
   // While its takes were read another may have begun.
   if (recorder.state().on)
-    return fail(ErrorCode::bad_usage, "a recording runs already", "dataset", "end it first");
-  const session::Report report = loop.report();
-  if (!plan.wish.consent.sound && has_heard_sound(session->rig(), report))
-    return fail(
+    return refuse(ErrorCode::bad_usage, "a recording runs already", "dataset", "end it first");
+  if (!plan.wish.consent.sound && has_heard_sound(session->rig(), loop.report()))
+    return refuse(
         ErrorCode::bad_usage,
         "this session has heard sound already, which its takes hold, and the performer agreed to none",
         "dataset", "start it with --no-audio, or ask the performer");
   std::error_code code;
   std::filesystem::create_directory(plan.take.parent_path(), code);
   if (code)
-    return fail(ErrorCode::io, "the dataset's folder cannot be made: " + code.message(),
-                plan.take.parent_path().string(),
-                "start the session with --takes FOLDER where there is room");
+    return refuse(ErrorCode::io, "the dataset's folder cannot be made: " + code.message(),
+                  plan.take.parent_path().string(),
+                  "start the session with --takes FOLDER where there is room");
   take::Header header = settings.header;
   header.performer = plan.wish.consent.performer;
   header.script = plan.wish.script;
-  MIEN_TRY(start_recording(plan.take, header, false));
+  start_recording(plan.take, std::move(header), [this, answered, plan](const Result<void>& started) {
+    answered(started ? go_through(plan) : std::unexpected(started.error()));
+  });
+}
+
+Result<std::string> Engine::State::go_through(const DatasetPlan& plan) {
+  const session::Report report = loop.report();
   const bool hears = report.hearing && report.hearing->on;
   if (!tell_session(dataset.begin(plan, report.prompts.state, hears))) {
     dataset.end();
@@ -253,15 +267,21 @@ Result<std::string> Engine::State::execute_video(std::uint64_t client, const jso
   return std::string();
 }
 
-Result<std::string> Engine::State::execute_lesson(const json& command) {
+void Engine::State::answer_lesson(const json& command, const Answered& answered) {
   const std::string what = text_field(command, "do");
   if (what == "cancel") {
     lesson.cancel();
-    return std::string();
+    answered(std::string());
+  } else if (what != "begin") {
+    answered(fail(ErrorCode::malformed, "a phone's lesson is begun or cancelled", "learn_phone",
+                  "docs/reference/page_protocol.md lists the commands"));
+  } else if (const Result<void> begins = begin_lesson(answered); !begins) {
+    answered(std::unexpected(begins.error()));
   }
-  if (what != "begin")
-    return fail(ErrorCode::malformed, "a phone's lesson is begun or cancelled", "learn_phone",
-                "docs/reference/page_protocol.md lists the commands");
+}
+
+/// What it returns is why it does not begin; else `answered` is told when the recording has.
+Result<void> Engine::State::begin_lesson(const Answered& answered) {
   if (!lesson.can() || sensor::truths_of(session->rig()).empty())
     return fail(ErrorCode::unsupported, "no phone is recorded as a truth here", "learn_phone",
                 "start the session with --listen livelink://0.0.0.0 --phone truth");
@@ -275,19 +295,22 @@ Result<std::string> Engine::State::execute_lesson(const json& command) {
                 "calibrate first; what is learnt belongs to it");
   MIEN_TRY_ASSIGN(const std::filesystem::path unnamed, take_path(settings.takes, {}));
   const std::filesystem::path path = settings.takes / ("phone_" + unnamed.filename().string());
-  MIEN_TRY_ASSIGN(const std::vector<session::Command> asked,
+  MIEN_TRY_ASSIGN(std::vector<session::Command> asked,
                   lesson.begin(path, report.prompts.state, report.calibration.in_force));
-  if (auto started = start_recording(path, settings.header, false); !started) {
-    lesson.fail_with(started.error().message());
-    return std::unexpected(std::move(started).error());
-  }
-  if (!tell_session(asked)) {
-    lesson.fail_with("the session is too busy");
-    recorder.end(notes());
-    return fail(ErrorCode::out_of_range, "the session is too busy to take the script", "learn_phone",
-                "try again");
-  }
-  return dumped(json({{"take", path.string()}}));
+  start_recording(path, settings.header,
+                  [this, answered, path, asked = std::move(asked)](const Result<void>& started) {
+                    if (!started) {
+                      lesson.fail_with(started.error().message());
+                      return answered(std::unexpected(started.error()));
+                    }
+                    lesson.recording_begun();
+                    if (tell_session(asked)) return answered(dumped(json({{"take", path.string()}})));
+                    lesson.fail_with("the session is too busy");
+                    recorder.end(notes());
+                    answered(fail(ErrorCode::out_of_range, "the session is too busy to take the script",
+                                  "learn_phone", "try again"));
+                  });
+  return {};
 }
 
 void Engine::State::finish_lesson(const Result<TaughtByPhone>& taught) {

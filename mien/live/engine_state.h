@@ -86,14 +86,19 @@ struct Engine::State {
   void on_message(std::uint64_t client, std::string_view text);
   void answer(std::uint64_t client, std::string_view text);
   Result<std::string> execute(std::uint64_t client, const nlohmann::json& command);
-  Result<std::string> execute_record(const nlohmann::json& command);
   Result<std::string> execute_sink(const nlohmann::json& command);
   Result<std::string> execute_replay(const nlohmann::json& command);
   Result<std::string> execute_listen(const nlohmann::json& command);
   Result<std::string> execute_pair();
-  void answer_dataset(std::uint64_t client, std::int64_t number, const nlohmann::json& command);
-  Result<std::string> begin_dataset(const DatasetPlan& plan);
-  Result<std::string> execute_lesson(const nlohmann::json& command);
+  /// What a command came to, with what its reply adds; network thread.
+  using Answered = std::function<void(const Result<std::string>&)>;
+  /// The commands whose answer waits for somebody else.
+  void answer_record(const nlohmann::json& command, const Answered& answered);
+  void answer_dataset(const nlohmann::json& command, const Answered& answered);
+  void begin_dataset(const DatasetPlan& plan, const Answered& answered);
+  Result<std::string> go_through(const DatasetPlan& plan);
+  void answer_lesson(const nlohmann::json& command, const Answered& answered);
+  Result<void> begin_lesson(const Answered& answered);
   void finish_lesson(const Result<TaughtByPhone>& taught);
   /// Commands of the engine's own. False: no room for them.
   [[nodiscard]] bool tell_session(const std::vector<session::Command>& commands);
@@ -108,7 +113,10 @@ struct Engine::State {
   [[nodiscard]] nlohmann::json list_takes(bool read_lengths);
   void send_takes();
   void wait_for_play();
-  Result<void> start_recording(const std::filesystem::path& path, const take::Header& header, bool replace);
+  /// `then`: once it has begun, or cannot; network thread.
+  void start_recording(const std::filesystem::path& path, take::Header header,
+                       std::function<void(const Result<void>&)> then);
+  void has_begun(const std::filesystem::path& path);
   [[nodiscard]] std::vector<take::Note> notes() const;
   void tell(const std::string& kind, const std::string& text);
 
@@ -149,7 +157,6 @@ struct Engine::State {
   int beats_over = 0;  // Since the recording was over that the session is there for.
   std::uint64_t frames = 0;
   std::string frame_text;
-  std::optional<std::filesystem::path> take;
   RecordingNews recording_news;
   bool told_silent = false;        // That nothing is heard; already told, ...
   bool told_uncalibrated = false;  // ... as this.

@@ -201,7 +201,7 @@ json video_state_json(const std::optional<VideoState>& video) {
 
 json lesson_json(const PhoneLesson::State& lesson) {
   if (lesson.stage == PhoneLesson::Stage::none) return nullptr;
-  return {{"state", stage_name(lesson.stage)}, {"sentence", lesson.sentence}};
+  return {{"state", stage_name(lesson.stage)}, {"sentence", lesson.sentence}, {"learnt", lesson.learnt}};
 }
 
 json calibration_json(const session::Report::Calibration& calibration) {

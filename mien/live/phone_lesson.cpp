@@ -31,7 +31,7 @@ Result<std::vector<session::Command>> PhoneLesson::begin(const std::filesystem::
   state_ = {.stage = Stage::recording, .sentence = {}};
   take_ = take;
   calibration_ = calibration;
-  asked_ = over_ = cancelled_ = given_ = false;
+  begun_ = asked_ = over_ = cancelled_ = given_ = false;
   std::vector<session::Command> commands;
   if (asks_in(prompts)) commands.emplace_back(Prompting{Prompting::Do::stop});
   for (const session::Prompt& prompt : script.prompts) commands.emplace_back(session::AddPrompt{prompt});
@@ -53,7 +53,7 @@ void PhoneLesson::refuse(const std::string& why) {
 }
 
 PhoneLesson::Next PhoneLesson::look(const Recorder::State& recording, std::string_view prompts) {
-  if (state_.stage != Stage::recording) return {};
+  if (state_.stage != Stage::recording || !begun_) return {};
   const bool asks = asks_for_pose(prompts);
   asked_ = asked_ || asks;
   if (cancelled_) {
@@ -72,10 +72,15 @@ PhoneLesson::Next PhoneLesson::look(const Recorder::State& recording, std::strin
     return {.end_recording = false, .stop_prompts = asks};
   }
   state_.stage = Stage::learning;
+  progress_ = 0;
   thread_ = std::jthread([this, take = take_](const std::stop_token& stop) {
+    const auto progress = [this, &stop](double fraction, std::string_view) {
+      progress_ = fraction;
+      return !stop.stop_requested();
+    };
     // Memory may end: nothing that is learnt ends the session.
     try {
-      learnt_(settings_.learn(take, stop));
+      learnt_(settings_.learn(take, progress));
     } catch (const std::exception& error) {
       learnt_(fail(ErrorCode::internal, error.what(), take.filename().string()));
     }
@@ -98,6 +103,12 @@ std::vector<session::Command> PhoneLesson::finish(Result<TaughtByPhone> learnt, 
     return {session::Correct{std::move(learnt->correction)}};
   }
   return {};
+}
+
+PhoneLesson::State PhoneLesson::state() const {
+  State now = state_;
+  if (now.stage == Stage::learning) now.learnt = progress_;
+  return now;
 }
 
 bool PhoneLesson::in_force(bool phones_version) {

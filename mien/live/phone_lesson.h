@@ -1,15 +1,16 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <stop_token>
 #include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/core/progress.h"
 #include "mien/live/recorder.h"
 #include "mien/session/command.h"
 #include "mien/session/prompt_script.h"
@@ -30,13 +31,13 @@ class PhoneLesson {
     /// What the performer is asked for. Network thread.
     std::function<Result<session::PromptScript>()> script;
     /// Learns from the take. On a thread of its own; may take half a minute, less when it is to stop.
-    std::function<Result<TaughtByPhone>(const std::filesystem::path& take, const std::stop_token& stop)>
-        learn;
+    std::function<Result<TaughtByPhone>(const std::filesystem::path& take, const Progress& progress)> learn;
   };
   enum class Stage : std::uint8_t { none, recording, learning, done, failed };
   struct State {
     Stage stage = Stage::none;
     std::string sentence;  ///< What came of it, when done or failed.
+    double learnt = 0;     ///< While learning: how much of that is done, 0 to 1.
   };
 
   /// `learnt` is called on the learning's thread when it is over: hand over to the network's, and call
@@ -50,6 +51,8 @@ class PhoneLesson {
   [[nodiscard]] Result<std::vector<session::Command>> begin(const std::filesystem::path& take,
                                                             std::string_view prompts,
                                                             std::int64_t calibration);
+  /// It has begun: from now on look() judges by what it is told of it.
+  void recording_begun() { begun_ = true; }
   /// The performer wants no more: nothing is learnt, or comes into force.
   void cancel();
   /// It comes to nothing, for this reason.
@@ -69,18 +72,20 @@ class PhoneLesson {
   /// waited for.
   [[nodiscard]] bool in_force(bool phones_version);
 
-  [[nodiscard]] const State& state() const { return state_; }
+  [[nodiscard]] State state() const;
 
  private:
   Settings settings_;
   std::function<void(Result<TaughtByPhone>)> learnt_;
   State state_;
   std::filesystem::path take_;
+  bool begun_ = false;  // The recording.
   bool asked_ = false;  // Something was asked for since it began, ...
   bool over_ = false;   // ... and everything was.
   bool cancelled_ = false;
   bool given_ = false;  // What was learnt, to the session.
   std::int64_t calibration_ = 0;
+  std::atomic<double> progress_ = 0;
   std::jthread thread_;  // Last: it ends before what it uses.
 };
 

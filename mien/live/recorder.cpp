@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <future>
 #include <utility>
 #include <vector>
 
@@ -182,12 +183,14 @@ void Recorder::run() {
 void Recorder::turn() {
   bool ending = false;  // What was handed over before that was asked for is still to be taken.
   std::vector<take::Event> noted;
+  std::vector<Wish> wanted;
   {
     const std::lock_guard lock(mutex_);
-    if (wanted_) {
-      writing_ = std::move(wanted_);
-      writing_->asked_for = newest_;
-    }
+    wanted = std::exchange(wanted_, {});
+  }
+  for (const Wish& wish : wanted) fulfil(wish);
+  {
+    const std::lock_guard lock(mutex_);
     ending = end_notes_.has_value();
     noted = std::exchange(noted_, {});
   }
@@ -214,6 +217,36 @@ void Recorder::turn() {
     if (writing_) state_.seconds = std::max(0.0, to_seconds(writing_->newest - *writing_->asked_for));
   } while (behind && !stopping_);
   if (writing_ && ending) conclude();
+}
+
+Result<void> Recorder::begin(const Wish& wish) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (state_.on)
+      return fail(ErrorCode::bad_usage, "a recording runs already", state_.path.string(), "end it first");
+    if (!spool_error_.empty())
+      return fail(ErrorCode::io, spool_error_, wish.path.string(), "start the session again to record");
+  }
+  MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(wish.path, wish.header, wish.replace));
+  writing_ = std::make_unique<Writing>(Writing{.writer = std::move(writer)});
+  writing_->asked_for = newest_;
+  return {};
+}
+
+void Recorder::fulfil(const Wish& wish) {
+  Result<void> begun;
+  try {
+    begun = begin(wish);
+  } catch (const std::exception& error) {
+    begun = fail(ErrorCode::internal, error.what(), wish.path.string());
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (begun) state_ = {.on = true, .path = wish.path, .log = state_.log};
+    --pending_;
+    ended_.notify_all();
+  }
+  wish.begun(begun);
 }
 
 /// An event of another thread into the temporary log.
@@ -340,9 +373,8 @@ void Recorder::give_up(const std::string& why) {
   const std::lock_guard lock(mutex_);
   if (spool_error_.empty()) spool_error_ = why;
   spool_.close();
-  if (writing_ || wanted_) state_.error = why;
+  if (writing_) state_.error = why;
   writing_.reset();
-  wanted_.reset();
   state_.on = false;
   ended_.notify_all();
 }
@@ -390,32 +422,30 @@ void Recorder::write(std::span<const std::byte> record) {
   }
 }
 
-Result<void> Recorder::start(const std::filesystem::path& path, const take::Header& header, bool replace) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (state_.on)
-      return fail(ErrorCode::bad_usage, "a recording runs already", state_.path.string(), "end it first");
-    if (!spool_error_.empty())
-      return fail(ErrorCode::io, spool_error_, path.string(), "start the session again to record");
-  }
-  MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(path, header, replace));
+void Recorder::start(std::filesystem::path path, take::Header header, bool replace, Begun begun) {
   const std::lock_guard lock(mutex_);
-  wanted_ = std::make_unique<Writing>(Writing{.writer = std::move(writer)});
-  end_notes_.reset();
-  state_ = {.on = true, .path = path, .log = state_.log};
+  if (!state_.on && pending_ == 0) end_notes_.reset();
+  wanted_.push_back({std::move(path), std::move(header), replace, std::move(begun)});
+  ++pending_;
   signal_.give();
-  return {};
+}
+
+Result<void> Recorder::start(std::filesystem::path path, take::Header header, bool replace) {
+  std::promise<Result<void>> begun;
+  start(std::move(path), std::move(header), replace,
+        [&begun](Result<void> result) { begun.set_value(std::move(result)); });
+  return begun.get_future().get();
 }
 
 void Recorder::end(std::vector<take::Note> notes) {
   const std::lock_guard lock(mutex_);
-  if (state_.on) end_notes_ = std::move(notes);
+  if (state_.on || pending_ > 0) end_notes_ = std::move(notes);
   signal_.give();
 }
 
 Result<void> Recorder::wait() {
   std::unique_lock lock(mutex_);
-  ended_.wait(lock, [this] { return !state_.on; });
+  ended_.wait(lock, [this] { return !state_.on && pending_ == 0; });
   if (state_.error.empty()) return {};
   return fail(ErrorCode::io, state_.error, state_.path.string(), "what was recorded until then is kept");
 }

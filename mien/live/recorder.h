@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -56,18 +57,23 @@ class Recorder {
   void note(take::Event event);
 
   // Another thread, always the same.
-  /// Makes the take's file; what the session was so far follows in the background. Errors: bad_usage (a
-  /// recording runs, the file exists and not `replace`), io (what has to come first was lost); TakeWriter's.
-  [[nodiscard]] Result<void> start(const std::filesystem::path& path, const take::Header& header,
-                                   bool replace);
-  /// Asks for the end of the recording, with notes; state() tells when it is reached. Nothing happens when
-  /// none runs.
+  /// Told once, on the recorder's thread: errors of start().
+  using Begun = std::function<void(Result<void>)>;
+  /// Makes the take's file in the background, since a disk may take its time; what the session was so far
+  /// follows. One that is asked for while another is being made, or runs, is refused. A recorder that ends
+  /// meanwhile tells nothing.
+  void start(std::filesystem::path path, take::Header header, bool replace, Begun begun);
+  /// The same, and waits until it has begun. Errors: bad_usage (a recording runs, the file exists and not
+  /// `replace`), io (what has to come first was lost); TakeWriter's.
+  [[nodiscard]] Result<void> start(std::filesystem::path path, take::Header header, bool replace);
+  /// Asks for the end of the recording, one that is about to begin too, with notes; state() tells when it is
+  /// reached. Nothing happens when none runs.
   void end(std::vector<take::Note> notes);
   /// Waits for that. Everything is on the disk when this returns. Errors: why the recording ended early.
   [[nodiscard]] Result<void> wait();
 
   struct State {
-    bool on = false;  ///< From start() until all is on the disk.
+    bool on = false;  ///< From when its file is there until all is on the disk.
     std::filesystem::path path;
     double seconds = 0;  ///< Since the recording was asked for; what the session was before comes on top.
     std::string error;   ///< Why the recording ended early; empty when it did not.
@@ -78,10 +84,19 @@ class Recorder {
 
  private:
   struct Writing;
+  /// A recording that is asked for.
+  struct Wish {
+    std::filesystem::path path;
+    take::Header header;
+    bool replace = false;
+    Begun begun;
+  };
   enum class Kind : std::uint8_t { entry, command, tick, event, calibration };
   std::span<std::byte> claim(std::size_t size);
   void run();
   void turn();
+  void fulfil(const Wish& wish);
+  [[nodiscard]] Result<void> begin(const Wish& wish);
   [[nodiscard]] static std::size_t record_size(const take::Event& event);
   static void put_record(const take::Event& event, std::span<std::byte> room);
   void keep(const take::Event& event);
@@ -112,7 +127,8 @@ class Recorder {
 
   mutable std::mutex mutex_;  // Held for moments only.
   std::condition_variable ended_;
-  std::unique_ptr<Writing> wanted_;
+  std::vector<Wish> wanted_;
+  std::size_t pending_ = 0;  // Wishes that nothing was told of yet.
   std::optional<std::vector<take::Note>> end_notes_;
   std::vector<take::Event> noted_;
   State state_;

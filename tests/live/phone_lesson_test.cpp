@@ -29,8 +29,9 @@ struct Class {
              script.prompts.resize(2);
              return Result<session::PromptScript>(script);
            },
-       .learn = [this](const std::filesystem::path& take, const std::stop_token&) -> Result<TaughtByPhone> {
+       .learn = [this](const std::filesystem::path& take, const Progress& progress) -> Result<TaughtByPhone> {
          taken = take;
+         if (!progress(0.5, "learning")) return fail(ErrorCode::cancelled, "stopped", "take");
          if (!teaches) return fail(ErrorCode::mismatch, "somebody else's phone", "take");
          return TaughtByPhone{{.network = "", .weights = {1}, .bias = {}}, "better"};
        }},
@@ -44,6 +45,9 @@ TEST(PhoneLesson, WhatWasRecordedIsLearntAndComesIntoForceByACommand) {
   ASSERT_TRUE(asked);
   EXPECT_EQ(asked->size(), 2u);
   EXPECT_FALSE(one.lesson.begin("other.mien", "over", 3)) << "one at a time";
+  static_cast<void>(one.lesson.look(recording(false), "over"));
+  EXPECT_EQ(one.lesson.state().stage, Stage::recording) << "its file is still being made";
+  one.lesson.recording_begun();
   EXPECT_FALSE(one.lesson.look(recording(true), "over").end_recording)
       << "the session has not heard of it yet";
   EXPECT_FALSE(one.lesson.look(recording(true), "running").end_recording);
@@ -52,7 +56,9 @@ TEST(PhoneLesson, WhatWasRecordedIsLearntAndComesIntoForceByACommand) {
   EXPECT_EQ(one.lesson.state().stage, Stage::recording) << "the take is still being written";
   static_cast<void>(one.lesson.look(recording(false), "over"));
   EXPECT_EQ(one.lesson.state().stage, Stage::learning);
-  const auto commands = one.lesson.finish(one.learnt.get_future().get(), 3);
+  const Result<TaughtByPhone> learnt = one.learnt.get_future().get();
+  EXPECT_EQ(one.lesson.state().learnt, 0.5);
+  const auto commands = one.lesson.finish(learnt, 3);
   EXPECT_EQ(one.taken, "phone.mien");
   ASSERT_EQ(commands.size(), 1u);
   EXPECT_EQ(std::get<session::Correct>(commands[0]).correction.weights, std::vector<float>{1});
@@ -69,6 +75,7 @@ TEST(PhoneLesson, WhatWasRecordedIsLearntAndComesIntoForceByACommand) {
 /// A lesson whose learning is over.
 void learn(Class& one) {
   ASSERT_TRUE(one.lesson.begin("phone.mien", "over", 3));
+  one.lesson.recording_begun();
   static_cast<void>(one.lesson.look(recording(true), "running"));
   static_cast<void>(one.lesson.look(recording(true), "over"));
   static_cast<void>(one.lesson.look(recording(false), "over"));
@@ -93,16 +100,16 @@ TEST(PhoneLesson, WhatTheSessionRefusesOrBelongsToAnotherCalibrationIsNotSaidToB
 
 TEST(PhoneLesson, WhatIsThrownWhileLearningEndsTheLessonAlone) {
   std::promise<Result<TaughtByPhone>> learnt;
-  PhoneLesson lesson(
-      {.script =
-           [] {
-             return Result<session::PromptScript>(session::PromptScript{{}, {}, {{}}});
-           },
-       .learn = [](const std::filesystem::path&, const std::stop_token&) -> Result<TaughtByPhone> {
-         throw std::bad_alloc();
-       }},
-      [&learnt](Result<TaughtByPhone> result) { learnt.set_value(std::move(result)); });
+  PhoneLesson lesson({.script =
+                          [] {
+                            return Result<session::PromptScript>(session::PromptScript{{}, {}, {{}}});
+                          },
+                      .learn = [](const std::filesystem::path&, const Progress&) -> Result<TaughtByPhone> {
+                        throw std::bad_alloc();
+                      }},
+                     [&learnt](Result<TaughtByPhone> result) { learnt.set_value(std::move(result)); });
   ASSERT_TRUE(lesson.begin("phone.mien", "over", 3));
+  lesson.recording_begun();
   static_cast<void>(lesson.look(recording(true), "running"));
   static_cast<void>(lesson.look(recording(true), "over"));
   static_cast<void>(lesson.look(recording(false), "over"));
@@ -113,6 +120,7 @@ TEST(PhoneLesson, WhatCannotBeLearntChangesNothing) {
   Class one;
   one.teaches = false;
   ASSERT_TRUE(one.lesson.begin("phone.mien", "over", 3));
+  one.lesson.recording_begun();
   static_cast<void>(one.lesson.look(recording(true), "running"));
   static_cast<void>(one.lesson.look(recording(true), "over"));
   static_cast<void>(one.lesson.look(recording(false), "over"));
@@ -125,6 +133,7 @@ TEST(PhoneLesson, WhatCannotBeLearntChangesNothing) {
 TEST(PhoneLesson, ACancelledOneIsNotLearntFrom) {
   Class one;
   ASSERT_TRUE(one.lesson.begin("phone.mien", "paused", 3));
+  one.lesson.recording_begun();
   static_cast<void>(one.lesson.look(recording(true), "running"));
   one.lesson.cancel();
   const auto next = one.lesson.look(recording(true), "running");
@@ -140,6 +149,7 @@ TEST(PhoneLesson, ARecordingThatEndsTooEarlyIsNotLearntFrom) {
   for (const char* error : {"", "the disk is full"}) {
     Class one;
     ASSERT_TRUE(one.lesson.begin("phone.mien", "over", 3));
+    one.lesson.recording_begun();
     static_cast<void>(one.lesson.look(recording(true), "running"));
     EXPECT_TRUE(one.lesson.look(recording(false, error), "running").stop_prompts);
     EXPECT_EQ(one.lesson.state().stage, Stage::failed);

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <future>
 #include <thread>
 
 #include "tests/folder.h"
@@ -113,6 +114,33 @@ TEST(Recorder, SaysWhyItCannotBegin) {
   ASSERT_TRUE(recorder.wait());
   EXPECT_FALSE(recorder.start(folder / "a.mien", header(), false)) << "it exists";
   EXPECT_TRUE(recorder.start(folder / "a.mien", header(), true));
+}
+
+TEST(Recorder, MakesTheFileOnItsOwnThreadOneAtATime) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  Recorder recorder(folder.path());
+  record_seconds(recorder, 0, 2);
+  std::promise<Result<void>> first, second;
+  std::thread::id told_on;
+  recorder.start(folder / "first.mien", header(), false, [&](Result<void> begun) {
+    told_on = std::this_thread::get_id();
+    first.set_value(std::move(begun));
+  });
+  recorder.start(folder / "second.mien", header(), false,
+                 [&](Result<void> begun) { second.set_value(std::move(begun)); });
+  recorder.end({{"live.hash", "early"}});  // Of one that need not have begun.
+  ASSERT_TRUE(recorder.wait());
+  EXPECT_TRUE(first.get_future().get());
+  EXPECT_NE(told_on, std::this_thread::get_id());
+  const Result<void> refused = second.get_future().get();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::bad_usage);
+  EXPECT_FALSE(std::filesystem::exists(folder / "second.mien"));
+  EXPECT_EQ(recorder.state().path, folder / "first.mien");
+  const auto take = take::Take::open(folder / "first.mien");
+  ASSERT_TRUE(take) << take.error().message();
+  EXPECT_TRUE(take->finished());
+  EXPECT_EQ(take->note("live.hash").value(), "early");
 }
 
 TEST(Recorder, KeepsTheSessionBesideTheTakesInAFileWithoutAName) {

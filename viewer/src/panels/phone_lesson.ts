@@ -1,6 +1,6 @@
 /** Learning the wearer from a phone: two guided minutes, and no phone afterwards. */
 import type { Actions } from "../actions";
-import { h, setHidden, setText } from "../dom";
+import { h, setAttribute, setHidden, setText } from "../dom";
 import type { PhoneLesson } from "../lesson_protocol";
 import type { Status } from "../protocol";
 import type { Session } from "../session";
@@ -11,6 +11,8 @@ const HOW =
 export class PhoneLessonSection {
   readonly element = h("section", { class: "phone-lesson", hidden: true });
   private readonly sentence = h("p", { "aria-live": "polite" });
+  private readonly run = h("div", { class: "level-run" });
+  private readonly bar = h("div", { class: "level", hidden: true, role: "progressbar", "aria-label": "Learnt of what was recorded", "aria-valuemin": 0, "aria-valuemax": 100 }, this.run);
   private readonly begin: HTMLButtonElement;
   private readonly cancel: HTMLButtonElement;
   private truths: readonly string[] = [];
@@ -18,7 +20,7 @@ export class PhoneLessonSection {
   constructor(session: Session, actions: Actions) {
     this.begin = h("button", { type: "button", class: "button", onclick: () => void actions.learnFromPhone() }, "Learn with the phone");
     this.cancel = h("button", { type: "button", class: "button", hidden: true, onclick: () => void actions.cancelLesson() }, "Cancel");
-    this.element.append(h("h3", { text: "A phone" }), h("p", { class: "quiet", text: HOW }), this.sentence, h("div", { class: "button-row" }, this.begin, this.cancel));
+    this.element.append(h("h3", { text: "A phone" }), h("p", { class: "quiet", text: HOW }), this.sentence, this.bar, h("div", { class: "button-row" }, this.begin, this.cancel));
     session.hello.listen((hello) => {
       this.truths = (hello?.sensors ?? []).filter((sensor) => sensor.role === "truth").map((sensor) => sensor.name);
       setHidden(this.element, this.truths.length === 0);
@@ -34,6 +36,9 @@ export class PhoneLessonSection {
     const seen = status.links.some((link) => this.truths.includes(link.sensor) && (link.state === "good" || link.state === "late"));
     this.begin.disabled = runs || !calibrated || !seen || status.recording.on || status.replay !== null;
     setHidden(this.cancel, lesson?.state !== "recording");
+    setHidden(this.bar, lesson?.state !== "learning");
+    setAttribute(this.bar, "aria-valuenow", String(Math.round(100 * (lesson?.learnt ?? 0))));
+    this.run.style.transform = `scaleX(${lesson?.learnt ?? 0})`;
     setText(this.sentence, this.say(lesson, calibrated, seen));
   }
 

@@ -29,6 +29,15 @@ test("a whole frame is read", () => {
   assert.deepEqual([...message.eyes], [0.1, 0, 0.1, 0]);
 });
 
+test("what comes of learning from a phone is read, and how far it is", () => {
+  const lesson = (phone_lesson) => read({ type: "status", phone_lesson }).phoneLesson;
+  assert.equal(lesson(null), null);
+  assert.deepEqual(lesson({ state: "learning", sentence: "", learnt: 0.25 }), { state: "learning", sentence: "", learnt: 0.25 });
+  assert.equal(lesson({ state: "recording", sentence: "" }).learnt, 0);
+  assert.equal(lesson({ state: "learning", sentence: "", learnt: 7 }).learnt, 1);
+  assert.equal(lesson({ state: "asleep", sentence: "" }), null);
+});
+
 test("the session's order is brought into ours by name", () => {
   const hello = read({ type: "hello", shapes: [...SHAPES].reverse() });
   const message = read(frame({ weights: [...SHAPES].map((_, i) => i / 100).reverse(), provenance: "mh".padEnd(SHAPE_COUNT, "n") }), hello.order);
