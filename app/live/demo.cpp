@@ -150,7 +150,8 @@ Result<void> run_demo(DemoOptions options) {
   const bool same_bits = session->hash() == captured.summary.hash;
 
   MIEN_TRY_ASSIGN(const take::Take truth_take, take::Take::open(request.take));
-  MIEN_TRY_ASSIGN(const measure::TakeEstimates estimates, study::with_truth(truth_take, solution));
+  MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, study::own_truth(truth_take));
+  const measure::TakeEstimates estimates = study::with_truth(request.take, solution, truth);
   MIEN_TRY_ASSIGN(const face::Face face, chosen_face(request.face));
   face::BlendshapeWeights mean_pose;
   std::ranges::copy(model.mean_pose, mean_pose.values.begin());

@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "app/chosen_face.h"
 #include "app/command.h"
@@ -10,6 +13,7 @@
 #include "app/one_line.h"
 #include "app/study/model_option.h"
 #include "app/study/shaping_option.h"
+#include "app/study/truth_option.h"
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/measure/evaluation_json.h"
@@ -25,6 +29,7 @@ struct EvaluateOptions {
   std::vector<std::string> takes;
   ModelOption model;
   ShapingOption shaping;
+  TruthOption truth;
   bool ablate = false;
   std::string face;
   std::string report;
@@ -90,12 +95,17 @@ Result<face::Face> face_to_measure_on(const std::set<std::string>& performed_on,
 
 Result<void> run_evaluate(EvaluateOptions options) {
   if (!options.report.empty()) MIEN_TRY(check_output(options.report, {".html"}));
+  MIEN_TRY(options.truth.check(options.takes.size()));
   std::vector<take::Take> takes;
+  std::vector<std::vector<take::TruthFrame>> truths;  // Of each take.
+  std::vector<measure::ToldTruth> told;
   std::set<std::string> devices;
   std::set<std::string> performed_on;
   for (const std::string& path : options.takes) {
     MIEN_TRY_ASSIGN(take::Take take, take::Take::open(path));
-    MIEN_TRY(study::check_has_truth(take));
+    MIEN_TRY_ASSIGN(TruthOption::Truth truth, options.truth.read(take));
+    truths.push_back(std::move(truth.frames));
+    if (truth.told) told.push_back(*std::move(truth.told));
     devices.insert(take.header().devices);
     performed_on.insert(take.header().face);
     takes.push_back(std::move(take));
@@ -115,12 +125,12 @@ Result<void> run_evaluate(EvaluateOptions options) {
   std::vector<std::vector<Track>> without(ablated.size());  // Of each, takes.
   std::size_t adapted = 0;
   double adapt_s = 0;
-  for (const take::Take& take : takes) {
-    MIEN_TRY_ASSIGN(const std::vector<study::Solution> solutions, solve(model, take, shaping, ablated));
+  for (std::size_t t = 0; t < takes.size(); ++t) {
+    MIEN_TRY_ASSIGN(const std::vector<study::Solution> solutions, solve(model, takes[t], shaping, ablated));
     const study::Solution& solution = solutions.front();
     if (solution.personalised && solution.personalised->taken) ++adapted;
     adapt_s += solution.personalise_s;
-    MIEN_TRY_ASSIGN(estimates.emplace_back(), study::with_truth(take, solution));
+    estimates.push_back(study::with_truth(takes[t].path().string(), solution, truths[t]));
     for (std::size_t i = 0; i < ablated.size(); ++i) without[i].push_back(weights_of(solutions[i + 1]));
   }
   const measure::Meter meter(face);
@@ -140,6 +150,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
       .steps = model.steps(),
       .adapted = adapted == takes.size(),
       .adapt_s = adapt_s,
+      .told = std::move(told),
   };
   if (!options.report.empty())
     MIEN_TRY(measure::evaluation_report(evaluation, context).write(options.report));
@@ -150,9 +161,10 @@ Result<void> run_evaluate(EvaluateOptions options) {
   }
   fmt::print("{} frames of {} take{} on {}, {} profile, {}\n\n", evaluation.frames, evaluation.takes,
              evaluation.takes == 1 ? "" : "s", face_name, context.devices, measure::asked_how(context));
-  const std::vector<std::string> ahead = measure::baselines_ahead(evaluation);
-  for (const std::string& sentence : ahead) fmt::print("{}\n", sentence);
-  if (!ahead.empty()) fmt::print("\n");
+  std::vector<std::string> first = measure::truth_told(context);
+  std::ranges::move(measure::baselines_ahead(evaluation), std::back_inserter(first));
+  for (const std::string& sentence : first) fmt::print("{}\n", sentence);
+  if (!first.empty()) fmt::print("\n");
   fmt::print("{:<13} {:>7} {:>7} {:>7} {:>8} {:>9} {:>7} {:>8}\n", "", "PVE mm", "face mm", "LMK mm", "MSE",
              "MSE of 42", "jitter", "blink F1");
   print_row("model", evaluation.model);
@@ -182,9 +194,10 @@ void add_evaluate_command(Commands& commands) {
   const Command command = commands.add(
       "evaluate", "Measures the live model, or another, on takes with truth, beside its baselines",
       "mien evaluate take.mien --report take.html", [options] { return run_evaluate(*options); });
-  command.add_option("takes", options->takes, "Takes with a truth track").required();
+  command.add_option("takes", options->takes, "Takes with a truth track, or with --truth").required();
   options->model.add_to(command);
   options->shaping.add_to(command);
+  options->truth.add_to(command);
   command.add_flag(
       "--ablate", options->ablate,
       "Measure once more with each step of shaping left out: one row a step. Shapes by the defaults "

@@ -24,8 +24,6 @@ namespace {
 
 /// Shorter takes made some virtual strangers worse (docs/experiments/phone_truth.md), s.
 constexpr double kSafe_s = 60;
-/// The truth that the take itself holds.
-constexpr std::string_view kPhone = "phone";
 
 struct PersonaliseOptions {
   std::string take, model, out;
@@ -39,7 +37,7 @@ struct PersonaliseOptions {
 /// From what a phone told.
 Result<void> learn_by_phone(const PersonaliseOptions& options, const take::Take& take,
                             const std::vector<model::FeatureFrame>& features, model::ModelFile file) {
-  const std::string csv = options.truth == kPhone ? "" : options.truth;
+  const std::string csv = options.truth == kOwnPhone ? "" : options.truth;
   MIEN_TRY_ASSIGN(study::PhoneTrack track, open_phone_track(take, features, csv, options.raw));
   MIEN_TRY(add_sound_guess(take, features, csv, options.film, track));
   MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(take.header().face));

@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "mien/core/error.h"
 #include "mien/model/features.h"
@@ -9,6 +10,9 @@
 #include "mien/take/take.h"
 
 namespace mien::app {
+
+/// What --truth names the phone that was recorded in the take by.
+inline constexpr std::string_view kOwnPhone = "phone";
 
 /// Whether a take has sensors on the skin, by which a phone's time is found. Errors: unsupported.
 [[nodiscard]] Result<void> check_aligns(const take::Take& take);

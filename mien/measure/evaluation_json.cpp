@@ -68,6 +68,19 @@ std::string asked_how(const EvaluationContext& context) {
   return fmt::format("{} denoising step{}", context.steps, context.steps == 1 ? "" : "s");
 }
 
+std::vector<std::string> truth_told(const EvaluationContext& context) {
+  std::vector<std::string> sentences;
+  for (const ToldTruth& told : context.told)
+    sentences.push_back(
+        fmt::format("The truth of {} was told by {}, {:.1f} s of it; what that told of the neutral face is "
+                    "taken off, and its time is known to {:.1f} ms (agreement {:.2f}).",
+                    told.take, told.by, told.known_s, told.offset_sigma_ms, told.agreement));
+  if (!sentences.empty())
+    sentences.emplace_back(
+        "A phone errs, too: its own errors count as the model's here, and its delay as nobody's.");
+  return sentences;
+}
+
 std::string evaluation_json(const Evaluation& evaluation, const EvaluationContext& context) {
   OrderedJson out;
   out["frames"] = evaluation.frames;
@@ -78,6 +91,15 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
   out["steps"] = context.steps > 0 ? OrderedJson(context.steps) : OrderedJson(nullptr);
   out["adapted"] = context.adapted;
   out["adapt_s"] = context.adapt_s;
+  out["truth"] = context.told.empty() ? "own" : "told";
+  OrderedJson& all_told = out["told"] = OrderedJson::array();
+  for (const ToldTruth& told : context.told)
+    all_told.push_back({{"take", told.take},
+                        {"by", told.by},
+                        {"known_s", told.known_s},
+                        {"agreement", told.agreement},
+                        {"offset_ms", told.offset_ms},
+                        {"offset_sigma_ms", told.offset_sigma_ms}});
   out["model"] = to_json(evaluation.model);
   out["model"]["ece"] = or_null(evaluation.ece);
   out["provenance"] = evaluation.provenance ? to_json(*evaluation.provenance) : OrderedJson(nullptr);

@@ -1,10 +1,21 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "mien/measure/evaluation.h"
 
 namespace mien::measure {
+
+/// What another tracker told of a take's face, where its weights stand for the truth.
+struct ToldTruth {
+  std::string take;      ///< The file's name.
+  std::string by;        ///< The rig's name of the phone, or its file.
+  double agreement = 0;  ///< Share of jaw and smile that the skin foretells (phone::TimeAlignment).
+  double offset_ms = 0;  ///< When it began, after the take's first frame, in the middle of both.
+  double offset_sigma_ms = 0;
+  double known_s = 0;  ///< With a face, after the calibration.
+};
 
 /// What an evaluation was made with; printed beside the figures.
 struct EvaluationContext {
@@ -14,10 +25,15 @@ struct EvaluationContext {
   int steps = 0;         ///< Denoising steps; 0: a causal model, which takes none.
   bool adapted = false;  ///< Whether the model was personalised on the take first.
   double adapt_s = 0;
+  std::vector<ToldTruth> told = {};  ///< Of each take; empty: each take's own truth.
 };
 
 /// "4 denoising steps", or "frame by frame" of a causal model.
 [[nodiscard]] std::string asked_how(const EvaluationContext& context);
+
+/// How the truth came about, where it is what other trackers told: a sentence each, and what that means for
+/// the figures. Empty where it is the takes' own.
+[[nodiscard]] std::vector<std::string> truth_told(const EvaluationContext& context);
 
 /// The one JSON object that `mien evaluate --json` prints (docs/reference/metrics.md). Curves are left out.
 [[nodiscard]] std::string evaluation_json(const Evaluation& evaluation, const EvaluationContext& context);

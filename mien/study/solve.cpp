@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "mien/face/face.h"
 #include "mien/face/frame_hash.h"
+#include "mien/sensor/rig_part.h"
 #include "mien/shaping/shaper.h"
 #include "mien/study/imu/trace_features.h"
 #include "mien/tracker/model_input.h"
@@ -102,27 +104,21 @@ Result<Solution> solve_take(const take::Take& take, std::span<const model::Featu
   return out;
 }
 
-namespace {
-
-Result<std::vector<take::TruthFrame>> read_truth(const take::Take& take) {
+Result<std::vector<take::TruthFrame>> own_truth(const take::Take& take) {
   MIEN_TRY_ASSIGN(std::vector<take::TruthFrame> truth, take.truth());
   if (truth.empty())
     return fail(ErrorCode::not_found, "the take has no truth to measure against", take.path().string(),
-                "evaluate a take made by mien perform --take, or import a truth track");
+                sensor::truths_of(take.rig()).empty()
+                    ? "evaluate a take made by mien perform --take, or name what a phone recorded meanwhile "
+                      "(--truth FILE.csv)"
+                    : "a phone looked on: measure against what it told with --truth phone");
   return truth;
 }
 
-}  // namespace
-
-Result<void> check_has_truth(const take::Take& take) {
-  MIEN_TRY(read_truth(take));
-  return {};
-}
-
-Result<measure::TakeEstimates> with_truth(const take::Take& take, const Solution& solution) {
+measure::TakeEstimates with_truth(std::string take, const Solution& solution,
+                                  std::span<const take::TruthFrame> truth) {
   measure::TakeEstimates out;
-  out.take = take.path().string();
-  MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, read_truth(take));
+  out.take = std::move(take);
   // Truth stands on the ticks: pair them by time, and leave out ticks that it does not reach (a take cut
   // off).
   std::map<DeviceTime, const take::TruthFrame*> by_time;

@@ -83,10 +83,13 @@ void guide_by_events(std::span<const take::Event> events, tracker::Tracker& trac
 /// which is shaped.
 void shape(const shaping::ShaperSettings& settings, Solution& solution);
 
-/// Whether a take can be measured: to be asked before it is solved, which takes long. Errors: not_found.
-[[nodiscard]] Result<void> check_has_truth(const take::Take& take);
+/// A take's own truth, to be read before it is solved, which takes long. Errors: the take's; not_found (it
+/// has none).
+[[nodiscard]] Result<std::vector<take::TruthFrame>> own_truth(const take::Take& take);
 
-/// The solution beside the take's truth, for evaluate(). Errors: not_found (a take without truth).
-[[nodiscard]] Result<measure::TakeEstimates> with_truth(const take::Take& take, const Solution& solution);
+/// A solution beside what its face truly did, for measure::evaluate(). `take`: its name. Ticks of which the
+/// truth says nothing are not evaluated.
+[[nodiscard]] measure::TakeEstimates with_truth(std::string take, const Solution& solution,
+                                                std::span<const take::TruthFrame> truth);
 
 }  // namespace mien::study

@@ -210,6 +210,42 @@ TEST_F(AlignProgram, LearnsAWearerWhoIsThenSolvedOtherwise) {
   EXPECT_THAT(refused({"personalise", take, "--truth", "phone", "--out", model}), HasSubstr("--force"));
 }
 
+TEST_F(AlignProgram, MeasuresAgainstWhatAPhoneTold) {
+  const std::string take = *folder_ / "take.mien", csv = *folder_ / "beside.csv";
+  ASSERT_EQ(run({"align", take, "--out", csv}).status, 0);
+  const auto measured = [](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "evaluate");
+    arguments.emplace_back("--json");
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out, nullptr, false);
+  };
+  const auto own = measured({take}), told = measured({take, "--truth", "phone"}),
+             file = measured({take, "--truth", csv});
+  EXPECT_EQ(own["truth"], "own");
+  EXPECT_TRUE(own["told"].empty());
+  EXPECT_EQ(told["truth"], "told");
+  ASSERT_EQ(told["told"].size(), 1U);
+  EXPECT_EQ(told["told"][0]["by"], "phone");
+  EXPECT_GT(told["told"][0]["agreement"].get<double>(), 0.3);
+  EXPECT_GT(told["told"][0]["known_s"].get<double>(), 30);
+  EXPECT_EQ(file["told"][0]["by"], "beside.csv");
+  // The same face, measured by a phone that errs a little.
+  const auto pve = [](const nlohmann::json& of) { return of["model"]["pve_mm"]["mean"].get<double>(); };
+  EXPECT_NE(pve(told), pve(own));
+  EXPECT_NEAR(pve(told), pve(own), 0.3 * pve(own));
+  EXPECT_NEAR(pve(file), pve(told), 0.1 * pve(told));
+  const Outcome people = run({"evaluate", take, "--truth", "phone", "--report", *folder_ / "told.html"});
+  EXPECT_THAT(people.out, HasSubstr("was told by phone"));
+  EXPECT_THAT(content(*folder_ / "told.html"), HasSubstr("A phone errs, too"));
+
+  EXPECT_THAT(refused({"evaluate", take, take, "--truth", csv}), HasSubstr("belongs to one take"));
+  EXPECT_THAT(refused({"evaluate", take, "--raw"}), HasSubstr("--truth"));
+  const std::string alone = *folder_ / "no_phone.mien";
+  ASSERT_EQ(run({"perform", "--script", "reading", "--seconds", "5", "--take", alone}).status, 0);
+  EXPECT_THAT(refused({"evaluate", alone, "--truth", "phone"}), HasSubstr("no phone was recorded"));
+}
+
 TEST_F(AlignProgram, SaysWhatIsWrong) {
   const Outcome alone =
       run({"perform", "--script", "free", "--seconds", "12", "--take", *folder_ / "alone.mien"});

@@ -160,11 +160,10 @@ TEST(Solve, RefusesToMeasureWithoutTruth) {
   virt::VirtualSession session = test::lab_session();
   session.truth.clear();
   const take::Take take = test::stored(session, folder / "no-truth.mien", "lab");
-  const Solution solution = solve(take).value();
-  const auto estimates = with_truth(take, solution);
-  ASSERT_FALSE(estimates);
-  EXPECT_EQ(estimates.error().code, ErrorCode::not_found);
-  EXPECT_THAT(estimates.error().message(), HasSubstr("no-truth.mien: the take has no truth"));
+  const auto truth = own_truth(take);
+  ASSERT_FALSE(truth);
+  EXPECT_EQ(truth.error().code, ErrorCode::not_found);
+  EXPECT_THAT(truth.error().message(), HasSubstr("no-truth.mien: the take has no truth"));
 }
 
 TEST(Solve, TruthThatWasCutOffLeavesFramesOut) {
@@ -173,7 +172,7 @@ TEST(Solve, TruthThatWasCutOffLeavesFramesOut) {
   session.truth.resize(session.truth.size() - 20);
   const take::Take take = test::stored(session, folder / "cut.mien", "lab");
   const Solution solution = solve(take).value();
-  const measure::TakeEstimates estimates = with_truth(take, solution).value();
+  const measure::TakeEstimates estimates = with_truth("cut", solution, own_truth(take).value());
   ASSERT_EQ(estimates.truth.size(), session.ticks.size());
   ASSERT_EQ(estimates.model.size(), session.ticks.size());
   std::size_t counted = 0;

@@ -70,9 +70,9 @@ TEST(SolveTracked, PutsTheTakesCalibrationsInForce) {
     if (frame.time >= versions[0].made) {
       EXPECT_EQ(frame.provenance[kJaw], face::Provenance::measured);
     }
-  const auto measured = with_truth(worn_take(), solution);
-  ASSERT_TRUE(measured) << measured.error().message();
-  EXPECT_EQ(measured->model.size(), solution.frames.size());
+  const auto truth = own_truth(worn_take());
+  ASSERT_TRUE(truth) << truth.error().message();
+  EXPECT_EQ(with_truth("worn", solution, *truth).model.size(), solution.frames.size());
 }
 
 TEST(SolveTracked, IsStopped) {

@@ -52,8 +52,8 @@ struct TruthBeside {
 };
 
 /// The take's own, at the features' times; where it says nothing there is no face.
-std::vector<take::TruthFrame> own_truth(const std::vector<take::TruthFrame>& truth,
-                                        std::span<const model::FeatureFrame> features) {
+std::vector<take::TruthFrame> at_features(const std::vector<take::TruthFrame>& truth,
+                                          std::span<const model::FeatureFrame> features) {
   std::vector<take::TruthFrame> out;
   out.reserve(features.size());
   auto next = truth.begin();
@@ -72,7 +72,7 @@ Result<TruthBeside> truth_beside(const take::Take& take, std::span<const take::E
                                  std::span<const take::StoredSample> samples,
                                  std::span<const model::FeatureFrame> features, bool consented) {
   MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> own, take.truth());
-  if (!own.empty()) return TruthBeside{own_truth(own, features), std::nullopt};
+  if (!own.empty()) return TruthBeside{at_features(own, features), std::nullopt};
   if (!consented)
     return fail(ErrorCode::not_found, "a virtual performer's, without its truth", take.path().string(),
                 "perform it with mien perform --take");
