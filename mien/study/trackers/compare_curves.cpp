@@ -77,10 +77,37 @@ std::vector<std::size_t> indices_of(const ToldShapes& told) {
   return out;
 }
 
+/// The truth where lags are sought: its own frames, and between them no further than a shift apart. Of a
+/// truth and a tracker whose rows are equally far apart, all would else be compared on rows by one shift and
+/// between rows, where noise is smoother and all agrees better, by the next.
+struct TruthForLags {
+  std::vector<double> time_s;
+  std::vector<face::BlendshapeWeights> truth;
+};
+TruthForLags truth_for_lags(const CurveComparison& comparison, const TimeLine& truth) {
+  TruthForLags out;
+  for (std::size_t f = 0; f < comparison.time_s.size(); ++f) {
+    const double time_s = comparison.time_s[f];
+    out.time_s.push_back(time_s);
+    out.truth.push_back(comparison.truth[f]);
+    if (f + 1 == comparison.time_s.size()) break;
+    const double step_s = comparison.time_s[f + 1] - time_s;
+    const auto parts = static_cast<int>(std::llround(std::min(1.0, step_s) / kShiftStep_s));
+    for (int i = 1; i < parts; ++i) {
+      const double between_s = time_s + step_s * i / parts;
+      const auto told = truth.at(between_s);
+      if (!told) continue;
+      out.time_s.push_back(between_s);
+      out.truth.push_back(*told);
+    }
+  }
+  return out;
+}
+
 /// Seeks the lag of one tracker.
 class LagSearch {
  public:
-  LagSearch(const CurveComparison& comparison, const TimeLine& line, const ToldShapes& told, double search_s)
+  LagSearch(const TruthForLags& comparison, const TimeLine& line, const ToldShapes& told, double search_s)
       : each_way_(static_cast<std::ptrdiff_t>(std::llround(search_s / kShiftStep_s))) {
     const std::vector<std::size_t> shapes = indices_of(told);
     const std::size_t shifts = static_cast<std::size_t>(2 * each_way_ + 1);
@@ -325,8 +352,9 @@ Result<CurveComparison> compare_curves(const measure::Meter& meter, const Tracke
   for (const TrackerCurves& tracker : trackers)
     placed.push_back({tracker, tracker.told & truth.told, TimeLine(tracker), {}, 0});
   MIEN_TRY_ASSIGN(CurveComparison out, frames_in_common(truth, placed));
+  const TruthForLags beside = truth_for_lags(out, TimeLine(truth));
   for (PlacedCurves& tracker : placed)
-    tracker.lag = LagSearch(out, tracker.line, tracker.told, settings.search_s).find();
+    tracker.lag = LagSearch(beside, tracker.line, tracker.told, settings.search_s).find();
   if (!settings.shared_clock) {
     for (PlacedCurves& tracker : placed) tracker.moved_s = tracker.lag ? tracker.lag->lag_s : 0;
     MIEN_TRY_ASSIGN(out, frames_in_common(truth, placed));

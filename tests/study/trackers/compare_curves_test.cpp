@@ -176,6 +176,34 @@ TEST(CompareCurves, TellsHowSureALagIs) {
   EXPECT_LT(std::sqrt(said), 0.01) << "less than a frame";
 }
 
+/// Rows of truth and trackers are equally far apart: shifts between them, where noise is smoother, agree no
+/// better than shifts on them.
+TEST(CompareCurves, PrefersNoLagBetweenRows) {
+  constexpr double kNoise = 0.15;
+  constexpr std::size_t kTrackers = 10;
+  const auto noisy = [](const std::string& name, std::uint64_t number, double late_s) {
+    TrackerCurves out = told_by(name, 0, 24, 30, late_s);
+    out.told = ToldShapes().set(kJaw).set(kSmile);
+    Random random = Random(2).fork("noise", number);
+    for (TrackerRow& row : out.rows)
+      for (const std::size_t k : {kJaw, kSmile})
+        (*row.weights)[k] += static_cast<float>(random.normal(0, kNoise));
+    return out;
+  };
+  const TrackerCurves truth = noisy("truth", kTrackers, 0);
+  std::vector<TrackerCurves> trackers;
+  for (std::size_t i = 0; i < kTrackers; ++i) trackers.push_back(noisy("tracker " + std::to_string(i), i, 0));
+  const auto compared = compare_curves(meter(), truth, trackers, {.search_s = 0.25});
+  ASSERT_TRUE(compared) << compared.error().message();
+  double squares = 0;
+  for (const CurveScore& score : compared->scores) {
+    ASSERT_TRUE(score.lag) << score.name;
+    squares += score.lag->lag_s * score.lag->lag_s / kTrackers;
+  }
+  // About 9 ms of noise; 16 where rows and what lies between them are compared in turn.
+  EXPECT_LT(std::sqrt(squares), 0.012);
+}
+
 /// Told too small by a fifth, by one who began with the truth and by one who began 0.3 s before.
 std::vector<TrackerCurves> told_small() {
   std::vector<TrackerCurves> out = {told_by("with it", 0, 6, 60), told_by("before it", 0, 6.3, 60, 0.3)};
