@@ -16,9 +16,9 @@ constexpr double kMostP99_ms = 1;
 constexpr double kMostP99Keyed_ms = 0.2;
 /// Frames at the window's ends come or stay out by a hair.
 constexpr double kMostAdded = 1;
-/// A tenth of a second: pictures that a busy machine sends late, or not at all: of the frames, and of each of
-/// the two good cameras.
+/// A tenth of a second: pictures that a busy machine sends late, or not at all. Of the frames, ...
 constexpr double kMostFewer = 6;
+/// ... and of the two good cameras together.
 constexpr double kMostPicturesUnheard = 2 * kMostFewer;
 /// Ten seconds of frames, for a percentile of one in a hundred.
 constexpr double kLeastTimed = 600;

@@ -14,9 +14,9 @@
 namespace mien::app {
 
 /// A terminal's line to a running `mien live`: says what the page may say, and hears how the session is
-/// (docs/reference/page_protocol.md). Every call blocks until it is done, or until five seconds have passed
-/// in silence or thirty without what it waits for; then the line is broken and later calls fail with the same
-/// words. Thread: one at a time.
+/// (docs/reference/page_protocol.md). A call that waits for something from there blocks until it comes, or
+/// until five seconds have passed in silence or thirty without it; then the line is broken and later calls
+/// fail with the same words. Thread: one at a time.
 class SessionClient {
  public:
   /// Connects and waits for the first status. `at` is HOST:PORT, or the page's address as `mien live` prints

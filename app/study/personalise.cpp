@@ -1,13 +1,11 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "app/command.h"
 #include "app/json_output.h"
-#include "app/study/film_option.h"
 #include "app/study/phone_option.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/time.h"
@@ -27,9 +25,7 @@ constexpr double kSafe_s = 60;
 
 struct PersonaliseOptions {
   std::string take, model, out;
-  std::string truth;  // "phone", or a file; empty: prompts.
-  FilmOption film;
-  bool raw = false;
+  PhoneOption phone;  // Not given: prompts.
   bool force = false;
   bool json = false;
 };
@@ -37,9 +33,7 @@ struct PersonaliseOptions {
 /// From what a phone told.
 Result<void> learn_by_phone(const PersonaliseOptions& options, const take::Take& take,
                             const std::vector<model::FeatureFrame>& features, model::ModelFile file) {
-  const std::string csv = options.truth == kOwnPhone ? "" : options.truth;
-  MIEN_TRY_ASSIGN(study::PhoneTrack track, open_phone_track(take, features, csv, options.raw));
-  MIEN_TRY(add_sound_guess(take, features, csv, options.film, track));
+  MIEN_TRY_ASSIGN(const study::PhoneTrack track, options.phone.open(take, features));
   MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(take.header().face));
   auto made = study::learn_from_phone(take, features, track, face, file, terminal_progress("personalise"));
   if (!made) {
@@ -60,7 +54,7 @@ Result<void> learn_by_phone(const PersonaliseOptions& options, const take::Take&
     print_json({{"take", options.take},
                 {"model", options.model},
                 {"out", options.out},
-                {"truth", options.truth},
+                {"truth", options.phone.truth()},
                 {"seconds", seconds},
                 {"shapes", learnt.shapes},
                 {"mse_before", learnt.mse_before},
@@ -99,7 +93,7 @@ Result<void> run_personalise(PersonaliseOptions options) {
   MIEN_TRY_ASSIGN(options.model, path_or(options.model, "models/live.safetensors"));
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(options.model));
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, study::take_features(take));
-  if (!options.truth.empty()) return learn_by_phone(options, take, features, std::move(file));
+  if (options.phone.given()) return learn_by_phone(options, take, features, std::move(file));
   auto made = study::personalise_on(take, features, file);
   if (!made) {
     made.error().where = options.take;
@@ -143,19 +137,12 @@ void add_personalise_command(Commands& commands) {
       [options] { return run_personalise(*options); });
   command.add_option("take", options->take, "A take with a full prologue or prompts, or with a truth")
       .required();
-  command.add_option(
-      "--truth", options->truth,
-      "Learn what the answers lack: \"phone\" (the truth that was recorded in the take), or a Live "
-      "Link Face CSV that a phone recorded meanwhile");
+  options->phone.add_to(command, "Learn what the answers lack");
   command.add_option("--out", options->out, "The wearer's own model, .safetensors").required();
   command.add_option("--model", options->model,
                      "The model to begin with (default: models/live.safetensors). Prompts do not build upon "
                      "a wearer's skin in it; "
                      "a phone does");
-  command.add_flag("--raw", options->raw,
-                   "Read the phone's file as named, even where a calibrated NAME_cal.csv lies beside it");
-  add_film_options(command, options->film);
-  (void)command.option("--film").needs(command.option("--truth"));
   command.add_flag("--force", options->force, "Replace an existing model");
   command.add_flag("--json", options->json, "Print one JSON object");
 }

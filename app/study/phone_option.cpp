@@ -54,4 +54,30 @@ Result<study::PhoneTrack> open_phone_track(const take::Take& take,
   return track;
 }
 
+void PhoneOption::add_to(const Command& command, const std::string& does) {
+  const Option truth = command.add_option(
+      "--truth", truth_,
+      does +
+          ": \"phone\" (the truth that was recorded in the take), or a Live Link Face CSV that a phone "
+          "recorded meanwhile");
+  command
+      .add_flag("--raw", raw_,
+                "Read the phone's file as named, even where a calibrated NAME_cal.csv lies beside it")
+      .needs(truth);
+  add_film_options(command, film_);
+  (void)command.option("--film").needs(truth);
+  (void)command.option("--no-sound").needs(truth);
+}
+
+std::string PhoneOption::file() const {
+  return truth_ == "phone" ? std::string() : truth_;
+}
+
+Result<study::PhoneTrack> PhoneOption::open(const take::Take& take,
+                                            std::span<const model::FeatureFrame> features) const {
+  MIEN_TRY_ASSIGN(study::PhoneTrack track, open_phone_track(take, features, file(), raw_));
+  MIEN_TRY(add_sound_guess(take, features, file(), film_, track));
+  return track;
+}
+
 }  // namespace mien::app

@@ -2,17 +2,15 @@
 
 #include <span>
 #include <string>
-#include <string_view>
 
+#include "app/command.h"
+#include "app/study/film_option.h"
 #include "mien/core/error.h"
 #include "mien/model/features.h"
 #include "mien/study/phone_truth.h"
 #include "mien/take/take.h"
 
 namespace mien::app {
-
-/// What --truth names the phone that was recorded in the take by.
-inline constexpr std::string_view kOwnPhone = "phone";
 
 /// Whether a take has sensors on the skin, by which a phone's time is found. Errors: unsupported.
 [[nodiscard]] Result<void> check_aligns(const take::Take& take);
@@ -24,5 +22,27 @@ inline constexpr std::string_view kOwnPhone = "phone";
 [[nodiscard]] Result<study::PhoneTrack> open_phone_track(const take::Take& take,
                                                          std::span<const model::FeatureFrame> features,
                                                          const std::string& file, bool as_named);
+
+/// Which phone tells what a face did: --truth, and how its file is read.
+class PhoneOption {
+ public:
+  /// `does`: what --truth is for, a sentence that both kinds of truth follow.
+  void add_to(const Command& command, const std::string& does);
+
+  [[nodiscard]] bool given() const { return !truth_.empty(); }
+  /// As it was typed: "phone", or a file's name.
+  [[nodiscard]] const std::string& truth() const { return truth_; }
+  /// The phone's file; empty: it was recorded in the take.
+  [[nodiscard]] std::string file() const;
+  /// What it told, with a guess of its time by sound where its film can be heard. Errors: open_phone_track's,
+  /// add_sound_guess's.
+  [[nodiscard]] Result<study::PhoneTrack> open(const take::Take& take,
+                                               std::span<const model::FeatureFrame> features) const;
+
+ private:
+  std::string truth_;
+  FilmOption film_;
+  bool raw_ = false;
+};
 
 }  // namespace mien::app

@@ -4,45 +4,44 @@
 #include <filesystem>
 #include <utility>
 
-#include "app/study/phone_option.h"
-#include "mien/core/excerpt.h"
 #include "mien/core/time.h"
+#include "mien/sensor/rig_part.h"
 #include "mien/study/phone_truth.h"
 #include "mien/study/solve.h"
 
 namespace mien::app {
+namespace {
+
+Result<std::vector<take::TruthFrame>> own_truth(const take::Take& take) {
+  auto own = study::own_truth(take);
+  // What a phone told can be asked for where its time can be found.
+  if (!own && own.error().code == ErrorCode::not_found && check_aligns(take))
+    own.error().fix += sensor::truths_of(take.rig()).empty()
+                           ? ", or name what a phone recorded meanwhile (--truth FILE.csv)"
+                           : ", or measure against the phone that looked on (--truth phone)";
+  return own;
+}
+
+}  // namespace
 
 void TruthOption::add_to(const Command& command) {
-  const Option truth = command.add_option(
-      "--truth", by_,
-      "Measure against what a phone told: \"phone\" (the one that was recorded in the take), or a Live Link "
-      "Face CSV that it recorded meanwhile; its time is found as mien align finds it (default: the take's "
-      "own "
-      "truth track)");
-  command
-      .add_flag("--raw", raw_,
-                "Read the phone's file as named, even where a calibrated NAME_cal.csv lies beside it")
-      .needs(truth);
-  add_film_options(command, film_);
-  (void)command.option("--film").needs(truth);
+  phone_.add_to(command, "Measure against what a phone told and not the take's own truth track");
 }
 
 Result<void> TruthOption::check(std::size_t takes) const {
-  if (by_.empty() || by_ == kOwnPhone || takes == 1) return {};
-  return fail(ErrorCode::bad_usage, "a phone's file belongs to one take", "--truth " + by_,
+  if (phone_.file().empty() || takes == 1) return {};
+  return fail(ErrorCode::bad_usage, "a phone's file belongs to one take", "--truth " + phone_.truth(),
               "evaluate the takes apart");
 }
 
 Result<TruthOption::Truth> TruthOption::read(const take::Take& take) const {
-  if (by_.empty()) {
-    MIEN_TRY_ASSIGN(std::vector<take::TruthFrame> own, study::own_truth(take));
+  if (!phone_.given()) {
+    MIEN_TRY_ASSIGN(std::vector<take::TruthFrame> own, own_truth(take));
     return Truth{.frames = std::move(own), .told = {}};
   }
   MIEN_TRY(check_aligns(take));
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, study::take_features(take));
-  const std::string csv = by_ == kOwnPhone ? "" : by_;
-  MIEN_TRY_ASSIGN(study::PhoneTrack track, open_phone_track(take, features, csv, raw_));
-  MIEN_TRY(add_sound_guess(take, features, csv, film_, track));
+  MIEN_TRY_ASSIGN(const study::PhoneTrack track, phone_.open(take, features));
   MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
   auto truth = study::phone_truth(events, features, track);
   if (!truth) {
@@ -52,14 +51,15 @@ Result<TruthOption::Truth> TruthOption::read(const take::Take& take) const {
   const auto known = std::ranges::count_if(
       truth->frames, [](const take::TruthFrame& frame) { return frame.has_face && frame.evaluated; });
   const phone::TimeAlignment& at = truth->alignment;
+  const std::string file = std::filesystem::path(phone_.file()).filename().string();
   return Truth{.frames = std::move(truth->frames),
-               .told = measure::ToldTruth{
-                   .take = take.path().string(),
-                   .by = csv.empty() ? track.motion.name : std::filesystem::path(csv).filename().string(),
-                   .agreement = at.agreement,
-                   .offset_ms = 1e3 * at.offset_s,
-                   .offset_sigma_ms = 1e3 * at.offset_sigma_s,
-                   .known_s = static_cast<double>(known) / kFrameRateHz}};
+               .told = measure::ToldTruth{.take = take.path().string(),
+                                          .by = file.empty() ? track.motion.name : file,
+                                          .agreement = at.agreement,
+                                          .offset_ms = 1e3 * at.offset_s,
+                                          .offset_sigma_ms = 1e3 * at.offset_sigma_s,
+                                          .known_s = static_cast<double>(known) / kFrameRateHz,
+                                          .rest_known = truth->rest.has_value()}};
 }
 
 }  // namespace mien::app

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "app/command.h"
-#include "app/study/film_option.h"
+#include "app/study/phone_option.h"
 #include "mien/core/error.h"
 #include "mien/measure/evaluation_json.h"
 #include "mien/take/take.h"
@@ -24,13 +23,11 @@ class TruthOption {
   /// Errors: bad_usage (a phone's file for several takes).
   [[nodiscard]] Result<void> check(std::size_t takes) const;
   /// Says on stderr what align says. Errors: study::own_truth's; of a phone's: check_aligns', take_features',
-  /// open_phone_track's, add_sound_guess's and phone_truth's.
+  /// PhoneOption::open's and phone_truth's.
   [[nodiscard]] Result<Truth> read(const take::Take& take) const;
 
  private:
-  std::string by_;  ///< Empty: the take's own; "phone"; or a phone's file.
-  FilmOption film_;
-  bool raw_ = false;
+  PhoneOption phone_;
 };
 
 }  // namespace mien::app

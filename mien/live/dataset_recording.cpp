@@ -95,7 +95,8 @@ DatasetRecording::Next DatasetRecording::look(const Recorder::State& recording, 
     next.end_recording = true;
   }
   if (!state_->over) return next;
-  if (asks) next.commands.emplace_back(session::Prompting{session::Prompting::Do::stop});
+  // Where it does not ask yet, it is about to.
+  if (asks || !asked_) next.commands.emplace_back(session::Prompting{session::Prompting::Do::stop});
   next.commands.emplace_back(session::EndConsent{});
   if (std::exchange(deafened_, false))
     next.commands.emplace_back(session::Shape{R"({"merge": {"audio": true}})"});

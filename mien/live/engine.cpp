@@ -222,8 +222,13 @@ void Engine::State::start_recording(const std::filesystem::path& path, take::Hea
                                     std::function<void(const Result<void>&)> then) {
   recorder.start(path, std::move(header), false, [this, path, then = std::move(then)](Result<void> started) {
     boost::asio::post(network, [this, path, then, started = std::move(started)] {
-      if (started) has_begun(path);
-      then(started);
+      // Nothing that a page asked for ends the session.
+      try {
+        if (started) has_begun(path);
+        then(started);
+      } catch (const std::exception& error) {
+        own_command_failed(error.what());
+      }
     });
   });
 }

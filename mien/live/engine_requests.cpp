@@ -23,6 +23,9 @@ constexpr auto kPlayStep = std::chrono::milliseconds(8);
 /// The end of a recording waits for that of its video so long.
 constexpr Duration kLongestEnd = VideoRecording::kLastChunk + std::chrono::seconds(1);
 
+constexpr const char* kHeardWithoutConsent =
+    "this session has heard sound already, which its takes hold, and the performer agreed to none";
+
 /// Names of files need not be UTF-8.
 std::string dumped(const json& object) {
   return object.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -150,6 +153,7 @@ void Engine::State::answer_dataset(const json& command, const Answered& answered
     });
   } else if (command.contains("end")) {
     dataset.end();
+    dataset_dropped = true;
     answered(std::string());
   } else {
     answered(fail(ErrorCode::malformed, "a dataset is listed, begun or ended", "dataset",
@@ -162,13 +166,11 @@ void Engine::State::begin_dataset(const DatasetPlan& plan, const Answered& answe
     answered(fail(code, std::move(what), std::move(where), std::move(fix)));
   };
   // While its takes were read another may have begun.
-  if (recorder.state().on)
+  if (const Recorder::State recorded = recorder.state(); recorded.on || recorded.beginning)
     return refuse(ErrorCode::bad_usage, "a recording runs already", "dataset", "end it first");
   if (!plan.wish.consent.sound && has_heard_sound(session->rig(), loop.report()))
-    return refuse(
-        ErrorCode::bad_usage,
-        "this session has heard sound already, which its takes hold, and the performer agreed to none",
-        "dataset", "start it with --no-audio, or ask the performer");
+    return refuse(ErrorCode::bad_usage, kHeardWithoutConsent, "dataset",
+                  "start it with --no-audio, or ask the performer");
   std::error_code code;
   std::filesystem::create_directory(plan.take.parent_path(), code);
   if (code)
@@ -178,16 +180,25 @@ void Engine::State::begin_dataset(const DatasetPlan& plan, const Answered& answe
   take::Header header = settings.header;
   header.performer = plan.wish.consent.performer;
   header.script = plan.wish.script;
+  dataset_dropped = false;
   start_recording(plan.take, std::move(header), [this, answered, plan](const Result<void>& started) {
-    answered(started ? go_through(plan) : std::unexpected(started.error()));
+    Result<std::string> done = started ? go_through(plan) : std::unexpected(started.error());
+    if (started && !done) recorder.end(notes());
+    answered(done);
   });
 }
 
 Result<std::string> Engine::State::go_through(const DatasetPlan& plan) {
+  // While its file was made.
+  if (dataset_dropped)
+    return fail(ErrorCode::cancelled, "it was ended before it began", "dataset", "begin it again");
   const session::Report report = loop.report();
+  if (!plan.wish.consent.sound && has_heard_sound(session->rig(), report))
+    return fail(ErrorCode::bad_usage, kHeardWithoutConsent, plan.take.string(),
+                "delete that take; start the session with --no-audio, or ask the performer");
   const bool hears = report.hearing && report.hearing->on;
   if (!tell_session(dataset.begin(plan, report.prompts.state, hears))) {
-    dataset.end();
+    dataset.end();  // What the session was told of it is taken back.
     return fail(ErrorCode::out_of_range, "the session is too busy to take the script", "dataset",
                 "try again");
   }
@@ -213,9 +224,10 @@ void Engine::State::follow_recordings(const Recorder::State& recording, const se
   if (dataset.state() && dataset.state()->over) video.finish(now());
   if (next.end_recording || after.end_recording) end_recording();
   // A disk that is slow with the video, or fails with the take, keeps nobody from the next recording.
-  if (ending && (!recording.on || video.is_over() || now() - *ending >= kLongestEnd)) {
+  if (ending &&
+      ((!recording.on && !recording.beginning) || video.is_over() || now() - *ending >= kLongestEnd)) {
     ending.reset();
-    if (recording.on) recorder.end(notes());
+    recorder.end(notes());
   }
   // What is heard again after the recording is not heard before its take is closed.
   held.insert(held.end(), next.commands.begin(), next.commands.end());
@@ -285,7 +297,7 @@ Result<void> Engine::State::begin_lesson(const Answered& answered) {
   if (!lesson.can() || sensor::truths_of(session->rig()).empty())
     return fail(ErrorCode::unsupported, "no phone is recorded as a truth here", "learn_phone",
                 "start the session with --listen livelink://0.0.0.0 --phone truth");
-  if (recorder.state().on)
+  if (const Recorder::State recorded = recorder.state(); recorded.on || recorded.beginning)
     return fail(ErrorCode::bad_usage, "a recording runs already", "learn_phone", "end it first");
   const session::Report report = loop.report();
   const auto& versions = report.calibration.versions;
@@ -297,19 +309,25 @@ Result<void> Engine::State::begin_lesson(const Answered& answered) {
   const std::filesystem::path path = settings.takes / ("phone_" + unnamed.filename().string());
   MIEN_TRY_ASSIGN(std::vector<session::Command> asked,
                   lesson.begin(path, report.prompts.state, report.calibration.in_force));
-  start_recording(path, settings.header,
-                  [this, answered, path, asked = std::move(asked)](const Result<void>& started) {
-                    if (!started) {
-                      lesson.fail_with(started.error().message());
-                      return answered(std::unexpected(started.error()));
-                    }
-                    lesson.recording_begun();
-                    if (tell_session(asked)) return answered(dumped(json({{"take", path.string()}})));
-                    lesson.fail_with("the session is too busy");
-                    recorder.end(notes());
-                    answered(fail(ErrorCode::out_of_range, "the session is too busy to take the script",
-                                  "learn_phone", "try again"));
-                  });
+  start_recording(
+      path, settings.header, [this, answered, path, asked = std::move(asked)](const Result<void>& started) {
+        if (!started) {
+          lesson.fail_with(started.error().message());
+          return answered(std::unexpected(started.error()));
+        }
+        const auto give_up = [&](Error why) {
+          lesson.fail_with(why.what);
+          recorder.end(notes());
+          answered(std::unexpected(std::move(why)));
+        };
+        if (lesson.is_cancelled())
+          return give_up({ErrorCode::cancelled, "cancelled; nothing was learnt", "learn_phone", ""});
+        if (!tell_session(asked))
+          return give_up({ErrorCode::out_of_range, "the session is too busy to take the script",
+                          "learn_phone", "try again"});
+        lesson.recording_begun();
+        answered(dumped(json({{"take", path.string()}})));
+      });
   return {};
 }
 

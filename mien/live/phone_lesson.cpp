@@ -58,7 +58,8 @@ PhoneLesson::Next PhoneLesson::look(const Recorder::State& recording, std::strin
   asked_ = asked_ || asks;
   if (cancelled_) {
     fail_with("cancelled; nothing was learnt");
-    return {.end_recording = recording.on, .stop_prompts = asks};
+    // Where it does not ask yet, it is about to.
+    return {.end_recording = recording.on, .stop_prompts = asks || !asked_};
   }
   if (recording.on) {
     const Next next{.end_recording = asked_ && !asks && !over_, .stop_prompts = false};
@@ -69,7 +70,7 @@ PhoneLesson::Next PhoneLesson::look(const Recorder::State& recording, std::strin
     state_ = {.stage = Stage::failed,
               .sentence = recording.error.empty() ? "the recording was ended before everything was asked for"
                                                   : recording.error};
-    return {.end_recording = false, .stop_prompts = asks};
+    return {.end_recording = false, .stop_prompts = asks || !asked_};
   }
   state_.stage = Stage::learning;
   progress_ = 0;

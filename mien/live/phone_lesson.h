@@ -55,6 +55,7 @@ class PhoneLesson {
   void recording_begun() { begun_ = true; }
   /// The performer wants no more: nothing is learnt, or comes into force.
   void cancel();
+  [[nodiscard]] bool is_cancelled() const { return cancelled_; }
   /// It comes to nothing, for this reason.
   void fail_with(std::string why);
   /// The session refused a command. Only what was learnt is waited for.

@@ -64,7 +64,17 @@ struct Recorder::Writing {
   std::uint64_t payload_at = 0;  // ... and of its payloads.
   std::int64_t entry = 0;        // Id of the newest.
   HostTime newest;
-  std::optional<HostTime> asked_for;  // The session's newest moment when the recording was asked for.
+  HostTime asked_for;  // The session's newest moment when the recording was asked for.
+};
+
+/// A take whose file is being made.
+struct Recorder::Opening {
+  Wish wish;
+  HostTime asked_for;
+  // The thread's until `over`.
+  Result<take::TakeWriter> made = fail(ErrorCode::internal, "it is not made yet");
+  std::atomic<bool> over = false;
+  std::jthread thread;  // Last: it ends before what it uses.
 };
 
 Recorder::Recorder(const std::filesystem::path& folder, std::uint64_t log_limit)
@@ -181,19 +191,36 @@ void Recorder::run() {
 }
 
 void Recorder::turn() {
-  bool ending = false;  // What was handed over before that was asked for is still to be taken.
   std::vector<take::Event> noted;
-  std::vector<Wish> wanted;
   {
     const std::lock_guard lock(mutex_);
-    wanted = std::exchange(wanted_, {});
-  }
-  for (const Wish& wish : wanted) fulfil(wish);
-  {
-    const std::lock_guard lock(mutex_);
-    ending = end_notes_.has_value();
     noted = std::exchange(noted_, {});
   }
+  take_over(noted);
+  while (opening_ == nullptr || settle()) {
+    std::optional<Request> next;
+    {
+      const std::lock_guard lock(mutex_);
+      if (requests_.empty()) return;
+      next = std::move(requests_.front());
+      requests_.pop_front();
+    }
+    if (auto* wish = std::get_if<Wish>(&*next)) {
+      open(*std::move(wish));
+    } else {
+      take_over({});  // What was handed over before the end was asked for belongs to the take.
+      try {
+        if (writing_) conclude(std::get<End>(*next));
+      } catch (const std::exception& error) {
+        give_up(error.what());
+      }
+      done();
+    }
+  }
+}
+
+/// What was handed over into the temporary log, and from there into the take.
+void Recorder::take_over(std::span<const take::Event> noted) {
   bool behind = false;
   do {
     drain_queues();
@@ -214,39 +241,78 @@ void Recorder::turn() {
       }
     const std::lock_guard lock(mutex_);
     state_.log = spool_.usage(newest_);
-    if (writing_) state_.seconds = std::max(0.0, to_seconds(writing_->newest - *writing_->asked_for));
+    if (writing_) state_.seconds = std::max(0.0, to_seconds(writing_->newest - writing_->asked_for));
   } while (behind && !stopping_);
-  if (writing_ && ending) conclude();
 }
 
-Result<void> Recorder::begin(const Wish& wish) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (state_.on)
-      return fail(ErrorCode::bad_usage, "a recording runs already", state_.path.string(), "end it first");
-    if (!spool_error_.empty())
-      return fail(ErrorCode::io, spool_error_, wish.path.string(), "start the session again to record");
+/// Begins to make the take's file, on a thread of its own: what is handed over meanwhile is taken.
+void Recorder::open(Wish wish) {
+  if (Result<void> can = check_can_begin(wish); !can) return tell(wish, std::move(can));
+  auto opening = std::make_unique<Opening>();
+  opening->wish = std::move(wish);
+  opening->asked_for = newest_;
+  const auto make = [this, to = opening.get()] {
+    try {
+      to->made = take::TakeWriter::create(to->wish.path, to->wish.header, to->wish.replace);
+    } catch (const std::exception& error) {
+      to->made = fail(ErrorCode::internal, error.what(), to->wish.path.string());
+    }
+    to->over = true;
+    signal_.give();
+  };
+  try {
+    opening->thread = std::jthread(make);
+  } catch (const std::exception& error) {
+    return tell(opening->wish, fail(ErrorCode::internal, error.what(), opening->wish.path.string()));
   }
-  MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(wish.path, wish.header, wish.replace));
-  writing_ = std::make_unique<Writing>(Writing{.writer = std::move(writer)});
-  writing_->asked_for = newest_;
+  opening_ = std::move(opening);
+}
+
+Result<void> Recorder::check_can_begin(const Wish& wish) const {
+  const std::lock_guard lock(mutex_);
+  if (state_.on)
+    return fail(ErrorCode::bad_usage, "a recording runs already", state_.path.string(), "end it first");
+  if (!spool_error_.empty())
+    return fail(ErrorCode::io, spool_error_, wish.path.string(), "start the session again to record");
   return {};
 }
 
-void Recorder::fulfil(const Wish& wish) {
-  Result<void> begun;
-  try {
-    begun = begin(wish);
-  } catch (const std::exception& error) {
-    begun = fail(ErrorCode::internal, error.what(), wish.path.string());
+/// The file that is being made, once it is; false while it is not.
+bool Recorder::settle() {
+  if (!opening_->over) return false;
+  const std::unique_ptr<Opening> opening = std::move(opening_);
+  opening->thread.join();
+  if (!opening->made) {
+    tell(opening->wish, std::unexpected(opening->made.error()));
+    return true;
   }
-  {
+  // What has to come first may have been lost meanwhile.
+  Result<void> begun = check_can_begin(opening->wish);
+  if (begun) {
+    writing_ = std::make_unique<Writing>(
+        Writing{.writer = *std::move(opening->made), .asked_for = opening->asked_for});
     const std::lock_guard lock(mutex_);
-    if (begun) state_ = {.on = true, .path = wish.path, .log = state_.log};
-    --pending_;
-    ended_.notify_all();
+    state_ = {.on = true, .path = opening->wish.path, .log = state_.log};
   }
-  wish.begun(begun);
+  tell(opening->wish, std::move(begun));
+  return true;
+}
+
+/// Tells who asked.
+void Recorder::tell(const Wish& wish, Result<void> begun) {
+  done();
+  try {
+    wish.begun(std::move(begun));
+  } catch (const std::exception&) {
+    // Who cannot be told for want of memory sees it by state(): the log goes on.
+  }
+}
+
+/// One request less.
+void Recorder::done() {
+  const std::lock_guard lock(mutex_);
+  --pending_;
+  ended_.notify_all();
 }
 
 /// An event of another thread into the temporary log.
@@ -350,20 +416,13 @@ bool Recorder::read_payload(std::size_t size) {
 }
 
 /// Ends the take, which may take as long as a slow disk does: nobody who asks for the state waits for it.
-void Recorder::conclude() {
-  std::vector<take::Note> notes;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!end_notes_) return;
-    notes = *std::exchange(end_notes_, std::nullopt);
-  }
-  for (const take::Note& note : notes) writing_->writer.add_note(note.key, note.value);
+void Recorder::conclude(const End& end) {
+  for (const take::Note& note : end.notes) writing_->writer.add_note(note.key, note.value);
   const auto finished = writing_->writer.finish();
   writing_.reset();
   const std::lock_guard lock(mutex_);
   if (!finished) state_.error = finished.error().message();
   state_.on = false;
-  ended_.notify_all();
 }
 
 /// The temporary log has a hole from here on: what is recorded ends, and nothing can be recorded any more.
@@ -422,12 +481,17 @@ void Recorder::write(std::span<const std::byte> record) {
   }
 }
 
-void Recorder::start(std::filesystem::path path, take::Header header, bool replace, Begun begun) {
-  const std::lock_guard lock(mutex_);
-  if (!state_.on && pending_ == 0) end_notes_.reset();
-  wanted_.push_back({std::move(path), std::move(header), replace, std::move(begun)});
-  ++pending_;
+void Recorder::ask(Request request) {
+  {
+    const std::lock_guard lock(mutex_);
+    requests_.push_back(std::move(request));
+    ++pending_;
+  }
   signal_.give();
+}
+
+void Recorder::start(std::filesystem::path path, take::Header header, bool replace, Begun begun) {
+  ask(Wish{std::move(path), std::move(header), replace, std::move(begun)});
 }
 
 Result<void> Recorder::start(std::filesystem::path path, take::Header header, bool replace) {
@@ -438,9 +502,7 @@ Result<void> Recorder::start(std::filesystem::path path, take::Header header, bo
 }
 
 void Recorder::end(std::vector<take::Note> notes) {
-  const std::lock_guard lock(mutex_);
-  if (state_.on || pending_ > 0) end_notes_ = std::move(notes);
-  signal_.give();
+  ask(End{std::move(notes)});
 }
 
 Result<void> Recorder::wait() {
@@ -453,6 +515,7 @@ Result<void> Recorder::wait() {
 Recorder::State Recorder::state() const {
   const std::lock_guard lock(mutex_);
   State state = state_;
+  state.beginning = !state.on && pending_ > 0;
   state.unable = spool_error_;
   return state;
 }

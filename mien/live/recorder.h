@@ -3,6 +3,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <variant>
 #include <vector>
 
 #include "mien/core/error.h"
@@ -57,23 +59,24 @@ class Recorder {
   void note(take::Event event);
 
   // Another thread, always the same.
-  /// Told once, on the recorder's thread: errors of start().
+  /// Told once, on the recorder's thread: errors of start(). It hands over and throws nothing.
   using Begun = std::function<void(Result<void>)>;
+  // What is asked for is done in its order.
   /// Makes the take's file in the background, since a disk may take its time; what the session was so far
-  /// follows. One that is asked for while another is being made, or runs, is refused. A recorder that ends
-  /// meanwhile tells nothing.
+  /// follows. A recorder that ends meanwhile tells nothing.
   void start(std::filesystem::path path, take::Header header, bool replace, Begun begun);
   /// The same, and waits until it has begun. Errors: bad_usage (a recording runs, the file exists and not
   /// `replace`), io (what has to come first was lost); TakeWriter's.
   [[nodiscard]] Result<void> start(std::filesystem::path path, take::Header header, bool replace);
-  /// Asks for the end of the recording, one that is about to begin too, with notes; state() tells when it is
-  /// reached. Nothing happens when none runs.
+  /// Asks for the end of the recording, with notes; state() tells when it is reached. Nothing happens when
+  /// none runs.
   void end(std::vector<take::Note> notes);
   /// Waits for that. Everything is on the disk when this returns. Errors: why the recording ended early.
   [[nodiscard]] Result<void> wait();
 
   struct State {
-    bool on = false;  ///< From when its file is there until all is on the disk.
+    bool on = false;         ///< From when its file is there until all is on the disk.
+    bool beginning = false;  ///< It is not on, and something is asked for.
     std::filesystem::path path;
     double seconds = 0;  ///< Since the recording was asked for; what the session was before comes on top.
     std::string error;   ///< Why the recording ended early; empty when it did not.
@@ -91,12 +94,23 @@ class Recorder {
     bool replace = false;
     Begun begun;
   };
+  /// The end of the one that runs; nothing where none does.
+  struct End {
+    std::vector<take::Note> notes;
+  };
+  using Request = std::variant<Wish, End>;
+  struct Opening;
   enum class Kind : std::uint8_t { entry, command, tick, event, calibration };
   std::span<std::byte> claim(std::size_t size);
   void run();
   void turn();
-  void fulfil(const Wish& wish);
-  [[nodiscard]] Result<void> begin(const Wish& wish);
+  void take_over(std::span<const take::Event> noted);
+  void open(Wish wish);
+  [[nodiscard]] Result<void> check_can_begin(const Wish& wish) const;
+  [[nodiscard]] bool settle();
+  void tell(const Wish& wish, Result<void> begun);
+  void done();
+  void ask(Request request);
   [[nodiscard]] static std::size_t record_size(const take::Event& event);
   static void put_record(const take::Event& event, std::span<std::byte> room);
   void keep(const take::Event& event);
@@ -107,7 +121,7 @@ class Recorder {
   bool feed();
   void write(std::span<const std::byte> record);
   [[nodiscard]] bool read_payload(std::size_t size);
-  void conclude();
+  void conclude(const End& end);
   void give_up(const std::string& why);
 
   ByteRing ring_;
@@ -119,6 +133,7 @@ class Recorder {
 
   // The recorder's thread alone.
   std::unique_ptr<Writing> writing_;
+  std::unique_ptr<Opening> opening_;
   Spool spool_;
   HostTime newest_;               // Of all that was drained.
   std::size_t payloads_due_ = 0;  // Of entries that were drained, and are in the other queue.
@@ -127,9 +142,8 @@ class Recorder {
 
   mutable std::mutex mutex_;  // Held for moments only.
   std::condition_variable ended_;
-  std::vector<Wish> wanted_;
-  std::size_t pending_ = 0;  // Wishes that nothing was told of yet.
-  std::optional<std::vector<take::Note>> end_notes_;
+  std::deque<Request> requests_;
+  std::size_t pending_ = 0;  // Requests that are not done yet; one of them is not in the queue any more.
   std::vector<take::Event> noted_;
   State state_;
   std::string spool_error_;  // Why no recording can begin any more.

@@ -9,12 +9,13 @@ namespace mien::measure {
 
 /// What another tracker told of a take's face, where its weights stand for the truth.
 struct ToldTruth {
-  std::string take;      ///< The file's name.
-  std::string by;        ///< The rig's name of the phone, or its file.
+  std::string take;      ///< The file, as it was named.
+  std::string by;        ///< The rig's name of the phone, or its file's.
   double agreement = 0;  ///< Share of jaw and smile that the skin foretells (phone::TimeAlignment).
   double offset_ms = 0;  ///< When it began, after the take's first frame, in the middle of both.
   double offset_sigma_ms = 0;
-  double known_s = 0;  ///< With a face, after the calibration.
+  double known_s = 0;       ///< With a face, after the calibration.
+  bool rest_known = false;  ///< It saw the neutral face, and what it told then is taken off.
 };
 
 /// What an evaluation was made with; printed beside the figures.

@@ -180,9 +180,9 @@ DeviceTime calibrated_at(std::span<const take::Event> events, DeviceTime begin) 
   return begin;
 }
 
-/// What was told while the face was neutral.
-face::BlendshapeWeights rest_of(std::span<const take::Event> events,
-                                std::span<const take::TruthFrame> frames) {
+/// What was told while the face was neutral; none where nothing was.
+std::optional<face::BlendshapeWeights> rest_of(std::span<const take::Event> events,
+                                               std::span<const take::TruthFrame> frames) {
   // The face has come to rest by then.
   constexpr double kSettled_s = 0.5;
   std::array<std::vector<float>, face::kShapeCount> told;
@@ -192,9 +192,9 @@ face::BlendshapeWeights rest_of(std::span<const take::Event> events,
       if (frame.has_face && frame.time >= event.begin + from_seconds(kSettled_s) && frame.time < event.end)
         for (std::size_t k = 0; k < face::kShapeCount; ++k) told[k].push_back(frame.weights[k]);
   }
+  if (told[0].empty()) return std::nullopt;
   face::BlendshapeWeights rest;
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    if (told[k].empty()) continue;
     const auto middle = told[k].begin() + static_cast<std::ptrdiff_t>(told[k].size() / 2);
     std::ranges::nth_element(told[k], middle);
     rest[k] = *middle;
@@ -282,9 +282,10 @@ Result<PhoneTruth> phone_truth(std::span<const take::Event> events,
     frame.evaluated = frame.has_face && feature.time >= calibrated;
   }
   truth.rest = rest_of(events, truth.frames);
+  const face::BlendshapeWeights off = truth.rest.value_or(face::BlendshapeWeights{});
   for (take::TruthFrame& frame : truth.frames)
     for (std::size_t k = 0; k < face::kShapeCount; ++k)
-      frame.weights[k] = std::clamp(frame.weights[k] - truth.rest[k], 0.0F, 1.0F);
+      frame.weights[k] = std::clamp(frame.weights[k] - off[k], 0.0F, 1.0F);
   return truth;
 }
 

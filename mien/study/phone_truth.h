@@ -61,8 +61,8 @@ struct PhoneTruth {
   /// One a tick. `evaluated`: with a face, and after the calibration. Weights are what the phone told, less
   /// what it told of the neutral hold, 0 to 1.
   std::vector<take::TruthFrame> frames;
-  /// What was taken off for the neutral hold; zeros where there was none, or the phone did not see it.
-  face::BlendshapeWeights rest;
+  /// What was taken off for the neutral hold; nothing where there was none, or the phone did not see it.
+  std::optional<face::BlendshapeWeights> rest;
 };
 
 /// Aligns the track with a session's features (phone::align) and reads it at their times. A track without a

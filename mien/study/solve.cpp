@@ -8,7 +8,6 @@
 
 #include "mien/face/face.h"
 #include "mien/face/frame_hash.h"
-#include "mien/sensor/rig_part.h"
 #include "mien/shaping/shaper.h"
 #include "mien/study/imu/trace_features.h"
 #include "mien/tracker/model_input.h"
@@ -108,10 +107,7 @@ Result<std::vector<take::TruthFrame>> own_truth(const take::Take& take) {
   MIEN_TRY_ASSIGN(std::vector<take::TruthFrame> truth, take.truth());
   if (truth.empty())
     return fail(ErrorCode::not_found, "the take has no truth to measure against", take.path().string(),
-                sensor::truths_of(take.rig()).empty()
-                    ? "evaluate a take made by mien perform --take, or name what a phone recorded meanwhile "
-                      "(--truth FILE.csv)"
-                    : "a phone looked on: measure against what it told with --truth phone");
+                "evaluate a take made by mien perform --take, or import a truth track");
   return truth;
 }
 

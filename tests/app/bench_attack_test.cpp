@@ -21,7 +21,7 @@ json attack(std::vector<std::string> options) {
 }
 
 /// Of all sessions of a run: the devices were heard, nobody else was, and the take gives the same bits.
-/// `pictures`: how many fewer of a camera's a busy machine may take.
+/// `pictures`: how many fewer of the good cameras' a busy machine may take.
 void expect_held(const json& all, double pictures = 0) {
   ASSERT_FALSE(all.is_discarded());
   for (const json& half : all["sessions"]) {

@@ -59,7 +59,8 @@ TEST(DatasetRecording, NothingIsHeardOfWhoAgreedToNoSound) {
       << "the next one may have agreed";
   EXPECT_EQ(recording.begin(silent, "none", false).size(), 5u) << "who hears nothing need not be told";
   recording.end();
-  EXPECT_EQ(recording.look(running(), "over").commands.size(), 1u);
+  EXPECT_EQ(recording.look(running(), "over").commands.size(), 2u)
+      << "what it was about to ask for is stopped";
 }
 
 TEST(DatasetRecording, EndsTheTakeWhenEverythingWasAskedFor) {

@@ -116,22 +116,32 @@ TEST(Recorder, SaysWhyItCannotBegin) {
   EXPECT_TRUE(recorder.start(folder / "a.mien", header(), true));
 }
 
-TEST(Recorder, MakesTheFileOnItsOwnThreadOneAtATime) {
+/// Begins a recording, and asks for more before the recorder goes on: what that is comes in one turn.
+template <class Asks>
+void begin_and_ask(Recorder& recorder, const std::filesystem::path& take, Asks&& asks) {
+  std::promise<std::thread::id> begun;
+  std::promise<void> asked;
+  recorder.start(take, header(), false, [&](const Result<void>& result) {
+    EXPECT_TRUE(result) << result.error().message();
+    begun.set_value(std::this_thread::get_id());
+    asked.get_future().wait();
+  });
+  EXPECT_NE(begun.get_future().get(), std::this_thread::get_id());
+  asks();
+  asked.set_value();
+}
+
+TEST(Recorder, RefusesASecondRecordingAndEndsTheFirst) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
   Recorder recorder(folder.path());
   record_seconds(recorder, 0, 2);
-  std::promise<Result<void>> first, second;
-  std::thread::id told_on;
-  recorder.start(folder / "first.mien", header(), false, [&](Result<void> begun) {
-    told_on = std::this_thread::get_id();
-    first.set_value(std::move(begun));
+  std::promise<Result<void>> second;
+  begin_and_ask(recorder, folder / "first.mien", [&] {
+    recorder.start(folder / "second.mien", header(), false,
+                   [&](Result<void> begun) { second.set_value(std::move(begun)); });
+    recorder.end({{"live.hash", "early"}});
   });
-  recorder.start(folder / "second.mien", header(), false,
-                 [&](Result<void> begun) { second.set_value(std::move(begun)); });
-  recorder.end({{"live.hash", "early"}});  // Of one that need not have begun.
   ASSERT_TRUE(recorder.wait());
-  EXPECT_TRUE(first.get_future().get());
-  EXPECT_NE(told_on, std::this_thread::get_id());
   const Result<void> refused = second.get_future().get();
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::bad_usage);
@@ -140,7 +150,30 @@ TEST(Recorder, MakesTheFileOnItsOwnThreadOneAtATime) {
   const auto take = take::Take::open(folder / "first.mien");
   ASSERT_TRUE(take) << take.error().message();
   EXPECT_TRUE(take->finished());
+  EXPECT_EQ(take->ticks().value().size(), 2u * 60);
   EXPECT_EQ(take->note("live.hash").value(), "early");
+}
+
+TEST(Recorder, AnEndIsOfTheRecordingBeforeItAndOfNoneAfter) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  Recorder recorder(folder.path());
+  std::promise<Result<void>> second;
+  begin_and_ask(recorder, folder / "first.mien", [&] {
+    recorder.end({});
+    recorder.end({});
+    recorder.start(folder / "second.mien", header(), false,
+                   [&](Result<void> begun) { second.set_value(std::move(begun)); });
+    EXPECT_TRUE(recorder.state().on);
+  });
+  ASSERT_TRUE(second.get_future().get());
+  record_seconds(recorder, 0, 2);
+  EXPECT_TRUE(recorder.state().on);
+  EXPECT_FALSE(recorder.state().beginning);
+  EXPECT_EQ(recorder.state().path, folder / "second.mien");
+  EXPECT_TRUE(take::Take::open(folder / "first.mien").value().finished());
+  recorder.end({});
+  ASSERT_TRUE(recorder.wait());
+  EXPECT_EQ(take::Take::open(folder / "second.mien").value().ticks().value().size(), 2u * 60);
 }
 
 TEST(Recorder, KeepsTheSessionBesideTheTakesInAFileWithoutAName) {

@@ -86,7 +86,8 @@ TEST(PhoneTruth, StandsBesideThePerformersOwn) {
   EXPECT_LT(known, seen);
   EXPECT_NEAR(static_cast<double>(truth->frames.size() - static_cast<std::size_t>(seen)), 180, 60);
   // What rests on the phone's face is told from the neutral hold.
-  EXPECT_GT(*std::ranges::max_element(truth->rest.values), 0.05F);
+  ASSERT_TRUE(truth->rest);
+  EXPECT_GT(*std::ranges::max_element(truth->rest->values), 0.05F);
   EXPECT_EQ(taught_by(*truth).size(), truth->frames.size());
 }
 

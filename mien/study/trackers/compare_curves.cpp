@@ -92,7 +92,8 @@ TruthForLags truth_for_lags(const CurveComparison& comparison, const TimeLine& t
     out.truth.push_back(comparison.truth[f]);
     if (f + 1 == comparison.time_s.size()) break;
     const double step_s = comparison.time_s[f + 1] - time_s;
-    const auto parts = static_cast<int>(std::llround(std::min(1.0, step_s) / kShiftStep_s));
+    // A little more than a shift is one: times are rounded to milliseconds.
+    const auto parts = static_cast<int>(std::ceil(std::min(1.0, step_s) / kShiftStep_s - 0.1));
     for (int i = 1; i < parts; ++i) {
       const double between_s = time_s + step_s * i / parts;
       const auto told = truth.at(between_s);
