@@ -200,11 +200,15 @@ Result<LiveSession> open_live(LiveRequest request) {
     // One that is bound to no device yet is nobody's to open.
     if (!hearing && !own) return std::unexpected(std::move(hearing).error());
     if (hearing) {
-      if (!from_network) {
-        MIEN_TRY_ASSIGN(settings.feeds.emplace_back(), sound_feed(own ? "default" : request.audio));
-      }
       rig = *std::move(hearing);
       rig_toml = sensor::write_rig(rig);
+      const std::string& microphone = rig.sensors[sensor::sensors_of(rig, "speech").front()].name;
+      if (from_network) {
+        settings.network_microphone = microphone;
+      } else {
+        MIEN_TRY_ASSIGN(settings.feeds.emplace_back(), sound_feed(own ? "default" : request.audio));
+        settings.feeds.back().sensor = microphone;
+      }
     }
   }
   MIEN_TRY_ASSIGN(ListenedPhones phones, listened_phones(request.listen));

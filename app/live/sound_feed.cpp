@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <thread>
@@ -71,6 +72,10 @@ Result<live::Feed> file_feed(const std::string& file) {
   if (sound.duration_s() > kLongest_s)
     return fail(ErrorCode::out_of_range, fmt::format("{:.1f} h of sound", sound.duration_s() / 3600), file,
                 "cut it into pieces of at most two hours");
+  if (sound.missing > 0)
+    fmt::print(stderr,
+               "mien: {}: the file is cut short: {:.1f} of {:.1f} s are there, and these are played\n", file,
+               sound.duration_s(), sound.duration_s() + static_cast<double>(sound.missing) / sound.rate_hz);
   auto made = blocks_of(sound);
   if (!made) {
     made.error().where = file;

@@ -16,7 +16,7 @@ namespace mien::app {
 
 /// The sound of a WAV file, as if it were spoken from the session's beginning on: in real time, once. Errors:
 /// read_file's, parse_wav's, BlockMaker::create's; truncated (no sound), out_of_range (more than two hours).
-/// While the session is not to hear, the file goes on unheard.
+/// While the session is not to hear, the file goes on unheard. Says on stderr where the file is cut short.
 [[nodiscard]] Result<live::Feed> file_feed(const std::string& file);
 
 /// What `--audio` names where a microphone on the network is to be heard, which no feed brings.

@@ -52,15 +52,17 @@ Result<Adapted> adapt(const take::Take& take, std::span<const model::FeatureFram
 /// Says on stderr where a solution is based on few of the sensors or on none.
 void warn_of_missing_sensors(const take::Take& take, const study::Solution& solution) {
   constexpr double kFew = 0.5;
-  if (solution.observed == 0)
-    fmt::print(
-        stderr,
-        "mien: {}: no sensor could be used, so the answer is a guess; a take needs a prologue (a neutral "
-        "face, and a nod and a shake where the sensors ask for them) to be calibrated by\n",
-        take.path().string());
-  else if (solution.observed < kFew)
-    fmt::print(stderr, "mien: {}: only {:.0f} % of the sensors' readings could be used\n",
-               take.path().string(), 100 * solution.observed);
+  if (solution.observed >= kFew) return;
+  const std::string few =
+      solution.observed > 0
+          ? fmt::format("only {:.0f} % of the sensors' readings could be used", 100 * solution.observed)
+          : "no sensor could be used, so the answer is a guess";
+  const char* const remedy =
+      solution.uncalibrated
+          ? "a take needs a prologue (a neutral face, and a nod and a shake where the sensors ask for them) "
+            "to be calibrated by"
+          : "mien take info says what each of them sent";
+  fmt::print(stderr, "mien: {}: {}; {}\n", take.path().string(), few, remedy);
 }
 
 }  // namespace

@@ -13,6 +13,9 @@ namespace {
 
 constexpr std::uint16_t kInteger = 1, kFloating = 3, kExtensible = 0xFFFE;
 
+/// What a data chunk promises whose writer did not know how much would come.
+constexpr std::size_t kUnknownSize = 0xFFFF'FFFF;
+
 bool is_tag(std::span<const std::byte> bytes, std::string_view tag) {
   return std::ranges::equal(bytes, std::as_bytes(std::span(tag)));
 }
@@ -64,7 +67,9 @@ Result<Sound> parse_wav(std::span<const std::byte> bytes, std::string_view name)
                     fmt::format("sound of coding {} with {} bits", coding.kind, coding.bits), where,
                     "convert it to 16-bit PCM");
       Sound sound{.rate_hz = coding.rate_hz, .samples = {}};
-      const std::size_t frames = size / (std::size_t{coding.channels} * coding.bits / 8);
+      const std::size_t frame_bytes = std::size_t{coding.channels} * coding.bits / 8;
+      const std::size_t frames = size / frame_bytes;
+      if (promised != kUnknownSize) sound.missing = promised / frame_bytes - frames;
       sound.samples.reserve(frames);
       for (std::size_t i = 0; i < frames; ++i) {
         float sum = 0;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "mien/live/link_news.h"
 #include "mien/live/network_interfaces.h"
 #include "mien/live/page_messages.h"
 #include "mien/live/unheard.h"
@@ -68,8 +69,15 @@ void Engine::State::take_answers() {
         break;
       case OutgoingMessage::Kind::event: {
         const std::size_t space = text.find(' ');
-        tell(std::string(text.substr(0, space)),
-             space == std::string_view::npos ? std::string() : std::string(text.substr(space + 1)));
+        const std::string_view kind = text.substr(0, space);
+        const std::string words(space == std::string_view::npos ? std::string_view()
+                                                                : text.substr(space + 1));
+        // Of what was played to its end that is told, and no loss.
+        if (kind == "sensor_lost" && std::ranges::any_of(hearing.over(), [&](const std::string& sensor) {
+              return words == LinkNews::loss_text(sensor);
+            }))
+          break;
+        tell(std::string(kind), words);
         break;
       }
     }
@@ -143,6 +151,8 @@ void Engine::State::on_beat() {
            "nothing is calibrated yet, so the face stays neutral: " + report.calibration.prompt);
   }
   const session::Report report = loop.report();
+  if (const auto silence = unheard_microphone.tell(now(), session->rig(), report))
+    tell("microphone_missing", *silence);
   look_at_video();
   follow_recordings(recorder.state(), report);
   hearing.look(report.hearing ? std::optional(report.hearing->on) : std::nullopt, page.get());

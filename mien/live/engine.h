@@ -42,7 +42,8 @@ struct EngineSettings {
   std::vector<Feed> feeds;                         ///< Beside them.
   bool hear = true;   ///< Whether they are wanted from the beginning on (FeedPort::wanted).
   bool shut = false;  ///< No sound is taken from anywhere, whatever the page says; no feed should bring any.
-  std::vector<std::string> out;  ///< Sinks' addresses, as sink::open_sink takes them.
+  std::string network_microphone;  ///< The rig's that sends here, by its name; empty: none does.
+  std::vector<std::string> out;    ///< Sinks' addresses, as sink::open_sink takes them.
   std::optional<std::filesystem::path> record;
   bool replace = false;  ///< An existing take.
   /// Where takes go that the page asks for, where it finds those to show, and where the session is kept while

@@ -30,6 +30,7 @@
 #include "mien/live/recording_news.h"
 #include "mien/live/take_listing.h"
 #include "mien/live/tracker_loop.h"
+#include "mien/live/unheard.h"
 #include "mien/live/video_recording.h"
 
 // A session's parts, and who runs what of them: the engine's own, shared by engine.cpp, which runs them, and
@@ -161,6 +162,7 @@ struct Engine::State {
   RecordingNews recording_news;
   bool told_silent = false;        // That nothing is heard; already told, ...
   bool told_uncalibrated = false;  // ... as this.
+  UnheardMicrophone unheard_microphone{settings.network_microphone};
   std::atomic<std::size_t> watchers = 0;
   const std::atomic<bool>* stop = nullptr;
   EngineListener listener;

@@ -33,7 +33,10 @@ void Feeds::begin(FeedPort::Tell tell) {
       FeedPort port(*source, stop_, wanted_, tell_, state);
       try {
         feed.run(port);
-        if (!stop_) tell_("feed_over", feed.name + " is over");
+        if (!stop_) {
+          state.set_over();
+          tell_("feed_over", feed.name + " is over");
+        }
       } catch (const std::exception& error) {
         const std::string why = feed.name + " ended: " + error.what();
         tell_("feed_failed", why);
@@ -75,6 +78,13 @@ std::uint64_t Feeds::handed_over() const {
     sum += counts.received - std::min(counts.received, refused);
   }
   return sum;
+}
+
+std::vector<std::string> Feeds::over() const {
+  std::vector<std::string> sensors;
+  for (std::size_t i = 0; i < feeds_.size(); ++i)
+    if (!feeds_[i].sensor.empty() && states_[i].over()) sensors.push_back(feeds_[i].sensor);
+  return sensors;
 }
 
 PageInlet* Feeds::inlet() const {

@@ -53,6 +53,9 @@ class FeedState {
     const std::scoped_lock lock(mutex_);
     return awaited_;
   }
+  void set_over() { over_ = true; }
+  /// It gave all that it had.
+  [[nodiscard]] bool over() const { return over_; }
   void set_answered(bool answered) { answered_ = answered; }
   [[nodiscard]] bool answered() const { return answered_; }
 
@@ -62,6 +65,7 @@ class FeedState {
   std::optional<CameraStatus> camera_;
   std::string awaited_;
   std::atomic<bool> answered_ = false;
+  std::atomic<bool> over_ = false;
 };
 
 /// What a feed's thread sees of its session.
@@ -110,6 +114,9 @@ struct Feed {
   bool heard = true;  ///< What it has is sound.
   /// Where what a camera sees can be looked at.
   std::shared_ptr<PictureTap> tap = nullptr;
+  /// The rig's sensor that it is, where it may have no more: then that is told, and not that the sensor is
+  /// lost. Empty: none.
+  std::string sensor = {};
 };
 
 /// A session's feeds, each with its source and its thread.
@@ -129,6 +136,8 @@ class Feeds {
   [[nodiscard]] std::vector<CameraStatus> cameras() const;
   /// What those that are heard handed over and the session took.
   [[nodiscard]] std::uint64_t handed_over() const;
+  /// The rig's sensors whose feeds have no more.
+  [[nodiscard]] std::vector<std::string> over() const;
   /// Of the feed that hears a browser; null: none does.
   [[nodiscard]] PageInlet* inlet() const;
   /// Asks them to stop, and waits for it.

@@ -46,6 +46,8 @@ class Hearing {
   /// is told to stop where it is not, and forgotten where it is gone.
   void look(std::optional<bool> wanted, PageServer* page);
   [[nodiscard]] HearingState state() const;
+  /// As Feeds::over.
+  [[nodiscard]] std::vector<std::string> over() const { return feeds_.over(); }
   /// As Feeds::cameras.
   [[nodiscard]] std::vector<CameraStatus> cameras() const { return feeds_.cameras(); }
 

@@ -57,6 +57,10 @@ bool LinkNews::is_about_a_link(const take::Event& event) {
   return Trouble::of_links().tells(event) || Trouble::of_faces().tells(event);
 }
 
+std::string LinkNews::loss_text(std::string_view sensor) {
+  return fmt::format("{} {}", sensor, Trouble::of_links().one_has);
+}
+
 void LinkNews::tell_of(const Trouble& trouble, HostTime now, std::span<const take::Event> events,
                        std::map<std::string, Sensor, std::less<>>& sensors, std::vector<Sentence>& out) {
   std::vector<std::string> lost, back;

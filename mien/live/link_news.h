@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mien/core/time.h"
@@ -18,6 +19,9 @@ class LinkNews {
  public:
   /// A loss that was said is not said again for this long, nor its return.
   static constexpr Duration kQuiet = std::chrono::seconds(10);
+
+  /// How the loss of one sensor is said, unless others are lost at once or it flaps.
+  [[nodiscard]] static std::string loss_text(std::string_view sensor);
 
   struct Sentence {
     std::string kind;  ///< Of the newest event in it: "sensor_lost", "sensor_back", "face_lost", "face_back".

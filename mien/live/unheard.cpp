@@ -58,4 +58,25 @@ std::string unheard_text(Unheard why, const session::Report& report) {
          "docs/reference/links.md say why";
 }
 
+std::optional<std::string> UnheardMicrophone::tell(HostTime now, const sensor::Rig& rig,
+                                                   const session::Report& report) {
+  const auto sensor = rig.find(name_);
+  if (over_ || !sensor || *sensor >= report.links.size()) return std::nullopt;
+  const session::Report::Link& link = report.links[*sensor];
+  over_ = link.health.age.has_value();
+  const bool wanted = report.frames > 0 && report.hearing && report.hearing->on && !link.device.empty();
+  if (over_ || !wanted) {
+    wanted_since_.reset();
+    return std::nullopt;
+  }
+  if (!wanted_since_) wanted_since_ = now;
+  if (now - *wanted_since_ < kPatience) return std::nullopt;
+  over_ = true;
+  return fmt::format(
+      "nothing comes from the microphone '{}' yet: is it on, and does it send here as {}, the device that it "
+      "is "
+      "bound to?",
+      name_, link.device);
+}
+
 }  // namespace mien::live

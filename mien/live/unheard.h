@@ -1,8 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 
+#include "mien/core/time.h"
+#include "mien/sensor/rig.h"
 #include "mien/session/report.h"
 
 namespace mien::live {
@@ -33,5 +37,26 @@ struct Arrivals {
 
 /// What a session says of the first packets of a version that is unknown: one line.
 [[nodiscard]] std::string unknown_version_text(const session::Report::UnknownVersion& packets);
+
+/// A microphone on the network that a session wants to hear and never hears, in words for a person, once. A
+/// pure function of its calls.
+class UnheardMicrophone {
+ public:
+  /// One that is on has been heard by then.
+  static constexpr Duration kPatience = std::chrono::seconds(10);
+
+  /// `name`: in the rig; empty: there is none.
+  explicit UnheardMicrophone(std::string name) : name_(std::move(name)) {}
+
+  /// What is to be said now, or nothing: while the session has no frame unheard_text() says why. From time to
+  /// time, `now` never runs back. `report`: of a session of this rig.
+  [[nodiscard]] std::optional<std::string> tell(HostTime now, const sensor::Rig& rig,
+                                                const session::Report& report);
+
+ private:
+  std::string name_;
+  std::optional<HostTime> wanted_since_;
+  bool over_ = false;  // It was heard, or told of.
+};
 
 }  // namespace mien::live

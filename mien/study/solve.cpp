@@ -28,6 +28,7 @@ void complete(const take::Take& take, const model::ModelFile& file,
     if (observed > 0) all += frame.sensors.size();
   }
   out.observed = all > 0 ? static_cast<double>(observed) / static_cast<double>(all) : 0;
+  out.uncalibrated = observed == 0;
   out.ridge = tracker::solve_ridge(file, features, take.rig().face_sensor_names(),
                                    take.header().devices == "lab" ? "lab" : "device");
   out.hash = hash_frames(out.frames);

@@ -25,8 +25,11 @@ struct Solution {
   std::vector<face::BlendshapeWeights>
       ridge;  ///< One a tick; empty when the model file has none for the profile.
   /// Share of the sensors' rotations that were there from the first on (before it they are calibrated); the
-  /// rest was guessed without them. 0: there was none.
+  /// rest was guessed without them. Where they never tell a whole face (a microphone, gaze) it is that of the
+  /// frames of which they tell a part. 0: there was none.
   double observed = 0;
+  /// At the end of the take a tracker whose sensors send still waited to be calibrated.
+  bool uncalibrated = false;
   /// What the model learnt of the wearer on the take's own prologue first, and how long it took; else none.
   std::optional<tracker::Personalisation> personalised;
   double personalise_s = 0;

@@ -43,29 +43,38 @@ class Collected {
     constexpr std::size_t kShownEvery = 600;
     out_.frames.push_back(frame);
     out_.sensors_present.push_back(sensors_present);
-    const bool neutral = std::ranges::count(frame.provenance, face::Provenance::neutral) > 0;
-    if (!neutral) {
-      present_ += sensors_present;
-      ++measured_;
-    }
+    const auto neutral =
+        static_cast<std::size_t>(std::ranges::count(frame.provenance, face::Provenance::neutral));
+    if (neutral == 0) whole_.add(sensors_present);
+    if (neutral < frame.provenance.size() && sensors_present > 0) part_.add(sensors_present);
     const std::size_t done = out_.frames.size();
     return done % kShownEvery != 0 ||
            progress_(static_cast<double>(done) / static_cast<double>(ticks_), "frame by frame");
   }
-  Solution finish() {
+  Solution finish(bool uncalibrated) {
     progress_(1, "frame by frame");
-    const std::size_t all = measured_ * sensors_;
-    out_.observed = all > 0 ? static_cast<double>(present_) / static_cast<double>(all) : 0;
+    const Tally& told = whole_.frames > 0 ? whole_ : part_;
+    const std::size_t all = told.frames * sensors_;
+    out_.observed = all > 0 ? static_cast<double>(told.present) / static_cast<double>(all) : 0;
+    out_.uncalibrated = uncalibrated;
     out_.hash = hash_frames(out_.frames);
     return std::move(out_);
   }
 
  private:
+  struct Tally {
+    std::size_t present = 0, frames = 0;
+    void add(std::size_t sensors_present) {
+      present += sensors_present;
+      ++frames;
+    }
+  };
   Solution out_;
   std::size_t sensors_;
   std::size_t ticks_;
   const Progress& progress_;
-  std::size_t present_ = 0, measured_ = 0;
+  Tally whole_;  // Of frames without a neutral shape, ...
+  Tally part_;   // ... and of those of which a sensor tells some shape.
 };
 
 }  // namespace
@@ -113,7 +122,7 @@ Result<Solution> solve_take(const take::Take& take, tracker::Tracker& tracker, c
                   session::replay_samples(entries, ticks, payloads, *receiver, feed, ticked));
   MIEN_TRY(restored);
   if (!whole) return fail(ErrorCode::cancelled, "stopped while solving");
-  return out.finish();
+  return out.finish(tracker.calibration_state().phase == tracker::CalibrationState::Phase::watching);
 }
 
 Result<Solution> replay_take(const take::Take& take, const std::filesystem::path& model,
@@ -125,7 +134,10 @@ Result<Solution> replay_take(const take::Take& take, const std::filesystem::path
   MIEN_TRY(session::replay(take, *session, [&](const take::Tick&, const face::OutputFrame& frame) {
     return out.add(frame, session->sensors_present());
   }));
-  Solution replayed = out.finish();
+  session::Report report;
+  session->report(ticks.empty() ? HostTime() : ticks.back().fired, report);
+  Solution replayed = out.finish(report.calibration.state == "watching" ||
+                                 (report.calibration.state == "failed" && report.calibration.in_force == 0));
   replayed.shaped = true;
   return replayed;
 }

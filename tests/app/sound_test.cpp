@@ -113,6 +113,7 @@ TEST_F(SoundProgram, ASoundMovesTheMouthAndTheTakeHearsTheSame) {
 
   const Outcome solved = run({"solve", folder / "talk.mien", "--out", folder / "solved.csv"});
   ASSERT_EQ(solved.status, 0) << solved.err;
+  EXPECT_EQ(solved.err.find("prologue"), std::string::npos) << "a sound needs none: " << solved.err;
   EXPECT_GT(most(content(folder / "solved.csv"), "JawOpen"), 0.2);
 }
 
@@ -129,6 +130,8 @@ TEST_F(SoundProgram, ARigsOwnMicrophoneIsTheOneThatHears) {
         live({"--rig", folder / name, "--audio", folder / "tone.wav", "--record", recorded, "--for", "1.5"}));
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("sound:tone.wav is over"));
+    EXPECT_EQ(outcome.out.find("is lost"), std::string::npos) << outcome.out;
+    EXPECT_EQ(outcome.err.find("cut short"), std::string::npos) << outcome.err;
     const auto take = take::Take::open(recorded);
     ASSERT_TRUE(take) << take.error().message();
     EXPECT_EQ(take->rig().sensors.size(), 1U);
@@ -292,6 +295,27 @@ TEST_F(SoundProgram, AMicrophoneOnTheNetworkIsHeardWhereItIsAskedFor) {
   EXPECT_THAT(own.err, HasSubstr("this machine's own"));
 }
 
+TEST_F(SoundProgram, AMicrophoneOnTheNetworkThatNeverSendsIsToldOfOnce) {
+  const pid_t process = start(live({"--rig", project_path("rigs/imu_microphone.toml"), "--audio", "network"}),
+                              folder / "out", folder / "err");
+  ASSERT_GT(process, 0);
+  const std::string to = listening_at(folder / "out");
+  EXPECT_NE(to, "") << content(folder / "err");
+  // Who wears no microphone.
+  if (!to.empty()) {
+    const Outcome performed = run({"perform", "--script", "free", "--seconds", "12", "--rig",
+                                   project_path("rigs/default.toml"), "--prologue", "none", "--to", to});
+    EXPECT_EQ(performed.status, 0) << performed.err;
+  }
+  ::kill(process, SIGINT);
+  int status = 0;
+  ::waitpid(process, &status, 0);
+  const std::string told = content(folder / "out"),
+                    part = "nothing comes from the microphone 'microphone' yet";
+  EXPECT_THAT(told, HasSubstr(part + ": is it on, and does it send here as 02:4D:49:53:4E:01, "));
+  EXPECT_EQ(told.find(part), told.rfind(part)) << told;
+}
+
 TEST_F(SoundProgram, NothingIsHeardUnasked) {
   const Outcome outcome = run(live({"--record", folder / "quiet.mien", "--for", "0.5"}));
   EXPECT_EQ(outcome.status, 1) << "no device sends: " << outcome.out;
@@ -330,7 +354,10 @@ TEST_F(SoundProgram, BadSoundIsOneLine) {
   line("text.wav", "RIFF");
   // A header that promises more than is there: what is there is heard, as of a recorder that was killed.
   write_sound("lying.wav", with(40, 0x7FFF'FFFF, 4));
-  EXPECT_EQ(run(live({"--audio", folder / "lying.wav", "--for", "1"})).status, 0);
+  const Outcome cut = run(live({"--audio", folder / "lying.wav", "--for", "1"}));
+  EXPECT_EQ(cut.status, 0);
+  EXPECT_THAT(cut.err, HasSubstr("lying.wav: the file is cut short: 1.0 of "));
+  EXPECT_EQ(std::ranges::count(cut.err, '\n'), 1) << cut.err;
   const Outcome nameless = run(live({"--audio", ""}));
   EXPECT_EQ(nameless.status, 2);
   EXPECT_THAT(nameless.err, HasSubstr("the sound has no name"));

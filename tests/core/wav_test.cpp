@@ -66,6 +66,17 @@ TEST(Wav, BelievesNoPromisedSize) {
   const auto sound = parse_wav(wav_of(1, 1, 16000, 16, data.bytes(), 0xFFFFFFFF), "x.wav");
   ASSERT_TRUE(sound.has_value());
   EXPECT_EQ(sound->samples, std::vector<float>(5, 0.5F));
+  EXPECT_EQ(sound->missing, 0U) << "who wrote it did not know";
+}
+
+TEST(Wav, TellsWhatIsMissingOfOneThatIsCutShort) {
+  ByteWriter data;
+  for (int i = 0; i < 6; ++i) data.little(std::int16_t{16384});
+  const auto cut = parse_wav(wav_of(1, 2, 16000, 16, data.bytes(), 40), "x.wav");
+  ASSERT_TRUE(cut.has_value());
+  EXPECT_EQ(cut->samples.size(), 3U);
+  EXPECT_EQ(cut->missing, 7U);
+  EXPECT_EQ(parse_wav(wav_of(1, 2, 16000, 16, data.bytes(), 12), "x.wav")->missing, 0U);
 }
 
 TEST(Wav, GoesThroughAListThatPromisesMoreThanIsThere) {

@@ -27,6 +27,7 @@ using Texts = std::vector<std::string>;
 TEST(LinkNews, ALossAndTheReturnFromItAreSaidAtOnce) {
   LinkNews news;
   EXPECT_EQ(texts(news, 1, {event(true, "chin")}), Texts{"chin is lost"});
+  EXPECT_EQ(LinkNews::loss_text("chin"), "chin is lost");
   EXPECT_EQ(texts(news, 2, {}), Texts());
   EXPECT_EQ(texts(news, 3, {event(false, "chin")}), Texts{"chin is back"});
   EXPECT_EQ(texts(news, 30, {event(true, "chin")}), Texts{"chin is lost"});

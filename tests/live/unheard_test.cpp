@@ -48,5 +48,56 @@ TEST(Unheard, NamesTheVersionThatIsNotKnown) {
   EXPECT_EQ(why_unheard({.received = 120}, newer), Unheard::no_reference);
 }
 
+/// A rig of a sensor and a microphone, and a session of it that wants to hear and has frames.
+struct UnheardMicrophoneTest : ::testing::Test {
+  UnheardMicrophoneTest() {
+    rig.sensors.resize(2);
+    rig.sensors[0].name = "mentalis";
+    rig.sensors[1].name = "mine";
+    seen = report(0, 0);
+    seen.frames = 600;
+    seen.links[1].device = "02:4D:49:53:4E:01";
+    seen.hearing = session::Report::Hearing{.on = true};
+  }
+  std::optional<std::string> at(double s) { return unheard.tell(HostTime(from_seconds(s)), rig, seen); }
+  sensor::Rig rig;
+  session::Report seen;
+  UnheardMicrophone unheard{"mine"};
+};
+
+TEST_F(UnheardMicrophoneTest, IsToldOfOnceWithItsDevice) {
+  EXPECT_FALSE(at(3));
+  EXPECT_FALSE(at(12.9));
+  EXPECT_EQ(at(13).value_or(""),
+            "nothing comes from the microphone 'mine' yet: is it on, and does it send here as "
+            "02:4D:49:53:4E:01, the device that it is bound to?");
+  EXPECT_FALSE(at(100));
+}
+
+TEST_F(UnheardMicrophoneTest, IsNoneThatWasHeardOrThatNobodyWantsToHear) {
+  seen.hearing->on = false;
+  EXPECT_FALSE(at(0));
+  EXPECT_FALSE(at(60));
+  seen.hearing->on = true;
+  EXPECT_FALSE(at(61)) << "it was switched on just now";
+  seen.frames = 0;
+  EXPECT_FALSE(at(80)) << "that nothing comes at all is told already";
+  seen.frames = 600;
+  EXPECT_FALSE(at(81));
+  seen.links[1].health.age = std::chrono::milliseconds(5);
+  EXPECT_FALSE(at(92));
+  seen.links[1].health.age.reset();
+  EXPECT_FALSE(at(300)) << "a loss is told as one";
+}
+
+TEST_F(UnheardMicrophoneTest, IsNoneWhereNoneSendsHere) {
+  UnheardMicrophone none{""};
+  EXPECT_FALSE(none.tell(HostTime(), rig, seen));
+  EXPECT_FALSE(none.tell(HostTime(std::chrono::seconds(60)), rig, seen));
+  seen.links[1].device.clear();
+  EXPECT_FALSE(at(0));
+  EXPECT_FALSE(at(60)) << "it waits to be bound";
+}
+
 }  // namespace
 }  // namespace mien::live::unheard_test

@@ -75,6 +75,51 @@ TEST(SolveTracked, PutsTheTakesCalibrationsInForce) {
   EXPECT_EQ(with_truth("worn", solution, *truth).model.size(), solution.frames.size());
 }
 
+/// One sensor that tells the jaw and no other shape, as a microphone's tracker does; or one that waits to be
+/// calibrated.
+class JawAlone final : public tracker::Tracker {
+ public:
+  explicit JawAlone(bool waits) : waits_(waits) {}
+  [[nodiscard]] std::string_view modality() const override { return "jaw"; }
+  void add(HostTime, const sensor::Sample&) override {}
+  void forget(std::uint16_t) override {}
+  tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines&, face::OutputFrame& out) override {
+    out = {};
+    out.time = frame;
+    out.provenance.fill(face::Provenance::neutral);
+    if (!waits_) out.provenance[kJaw] = face::Provenance::audio;
+    return {.sensors_present = 1};
+  }
+  void guide(tracker::Step, DeviceTime, DeviceTime) override {}
+  void cancel_guidance() override {}
+  [[nodiscard]] tracker::CalibrationState calibration_state() const override {
+    using Phase = tracker::CalibrationState::Phase;
+    return {.phase = waits_ ? Phase::watching : Phase::done};
+  }
+  [[nodiscard]] std::string calibration() const override { return {}; }
+  [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
+  [[nodiscard]] Result<void> restore(std::string_view) override { return {}; }
+  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
+
+ private:
+  bool waits_;
+};
+
+TEST(SolveTracked, SensorsThatNeverTellAWholeFaceAreUsedAllTheSame) {
+  JawAlone jaw(false);
+  const auto heard = solve_take(worn_take(), jaw, no_progress);
+  ASSERT_TRUE(heard) << heard.error().message();
+  EXPECT_DOUBLE_EQ(heard->observed, 1.0 / static_cast<double>(worn_take().rig().sensors.size()));
+  EXPECT_FALSE(heard->uncalibrated);
+
+  JawAlone waiting(true);
+  const auto waited = solve_take(worn_take(), waiting, no_progress);
+  ASSERT_TRUE(waited) << waited.error().message();
+  EXPECT_EQ(waited->observed, 0) << "what is told before a calibration is no answer";
+  EXPECT_TRUE(waited->uncalibrated);
+  EXPECT_FALSE(solved()->uncalibrated);
+}
+
 TEST(SolveTracked, IsStopped) {
   const auto stopped = solved([](double, std::string_view) { return false; });
   ASSERT_FALSE(stopped);
