@@ -194,9 +194,10 @@ Result<ChildOutput> run_child(std::vector<std::string> command, std::vector<std:
   return child.wait();
 }
 
-Result<void> become_program(std::vector<std::string> command, std::vector<std::string> environment) {
-  ::execve(command.front().c_str(), pointers(command).data(), pointers(environment).data());
-  return fail(ErrorCode::io, std::strerror(errno), command.front());
+Result<void> become_program(const fs::path& program, std::vector<std::string> command,
+                            std::vector<std::string> environment) {
+  ::execve(program.c_str(), pointers(command).data(), pointers(environment).data());
+  return fail(ErrorCode::io, std::strerror(errno), program.string());
 }
 
 Result<fs::path> find_helper(const std::string& name) {

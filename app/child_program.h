@@ -68,8 +68,10 @@ class Child {
                                             std::vector<std::string> environment = {});
 
 /// This process becomes that program, so that its exit status, its terminal and Ctrl-C are this one's; comes
-/// back only with an error. `command` begins with a path. Errors: io.
-[[nodiscard]] Result<void> become_program(std::vector<std::string> command,
+/// back only with an error. `command` begins with the name that the program is told to be called by. Errors:
+/// io.
+[[nodiscard]] Result<void> become_program(const std::filesystem::path& program,
+                                          std::vector<std::string> command,
                                           std::vector<std::string> environment);
 
 /// Where a helper program ("mien-media", "mien-train") stands: beside this program's real path. Errors:

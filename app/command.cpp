@@ -100,7 +100,7 @@ int Commands::main(int argc, char** argv, UsageError usage_error) {
 }
 
 std::string plain_usage_error(const Command& program, const ParseError& error) {
-  return fmt::format("{}; see {} --help", error.what, program.name());
+  return fmt::format("{}; see {} --help", error.what, program.deepest_named().full_name());
 }
 
 Result<std::filesystem::path> path_or(const std::filesystem::path& named, const std::filesystem::path& part) {

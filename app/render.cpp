@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "mien/core/files.h"
 #include "mien/core/nearest_word.h"
 #include "mien/face/load_motion.h"
+#include "mien/face/profile_map.h"
 #include "mien/face/shapes_named.h"
 #include "mien/face/target_names.h"
 #include "mien/performer/named_pose.h"
@@ -42,9 +44,10 @@ std::string unknown_shape(const std::string& name) {
   return fmt::format("there is no shape '{}'{}", one_line(name, 40), did_you_mean(name, known));
 }
 
-/// Shapes by ICT's names or ARKit's, in either case; without its side a name is both sides.
+/// Shapes by ICT's names or ARKit's, in either case and each once; without its side a name is both sides.
 /// They replace those of `pose`.
 Result<void> set_weights(const std::vector<std::string>& entries, performer::StillPose& pose) {
+  std::set<std::size_t> given;
   for (const std::string& entry : entries) {
     const auto bad = [&](std::string what) {
       return fail(ErrorCode::bad_usage, std::move(what), "--weights",
@@ -61,7 +64,11 @@ Result<void> set_weights(const std::vector<std::string>& entries, performer::Sti
     std::vector<std::size_t> shapes = face::shapes_of_name(name);
     if (shapes.empty()) shapes = face::shapes_named(name);
     if (shapes.empty()) return bad(unknown_shape(name));
-    for (const std::size_t k : shapes) (k < face::kShapeCount ? pose.weights[k] : pose.tongue_out) = value;
+    for (const std::size_t k : shapes) {
+      if (!given.insert(k).second)
+        return bad(fmt::format("'{}': {} is given twice", shown, face::inner_name(k)));
+      (k < face::kShapeCount ? pose.weights[k] : pose.tongue_out) = value;
+    }
   }
   return {};
 }

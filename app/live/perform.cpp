@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/live/pairing_key.h"
@@ -15,6 +16,8 @@
 #include "app/performance.h"
 #include "app/read_aloud.h"
 #include "app/seed_option.h"
+#include "mien/builtin_face/load_face.h"
+#include "mien/builtin_face/person.h"
 #include "mien/core/files.h"
 #include "mien/core/wav.h"
 #include "mien/sensor/rig_part.h"
@@ -214,6 +217,16 @@ Result<void> check_network(PerformOptions& options) {
   return {};
 }
 
+/// Checks whose skin it is, before long work.
+Result<void> check_face(const std::string& what) {
+  if (builtin_face::names_person(what)) {
+    MIEN_TRY(builtin_face::find_person(what));
+  } else {
+    MIEN_TRY(builtin_face::load_face(what, face_progress(what)));
+  }
+  return {};
+}
+
 /// What is heard of the performance, from its beginning on.
 Result<void> write_sound(const PerformOptions& options) {
   MIEN_TRY(check_output(options.sound, {".wav"}));
@@ -252,6 +265,7 @@ Result<void> run_perform(PerformOptions options) {
     MIEN_TRY(check_output(request.take, {".mien"}));
     MIEN_TRY(virt::check_take_is_new(request));
   }
+  MIEN_TRY(check_face(request.face));
   if (!options.failure.empty()) {
     MIEN_TRY_ASSIGN(request.headset_failure, virt::parse_timed_failure(options.failure));
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -93,6 +94,15 @@ Result<face::Face> face_to_measure_on(const std::set<std::string>& performed_on,
   return chosen_face(name);
 }
 
+/// Says of each reason for which a wearer was not learnt, why: `takes` are those that it holds of.
+void say_unlearnt(const std::map<std::string, std::vector<std::string>>& unlearnt) {
+  for (const auto& [why, takes] : unlearnt) {
+    const std::string more = takes.size() > 1 ? fmt::format(" and {} more", takes.size() - 1) : "";
+    fmt::print(stderr, "mien: {}{}: the wearer was not learnt: {}\n", without_controls(takes.front()), more,
+               without_controls(why));
+  }
+}
+
 Result<void> run_evaluate(EvaluateOptions options) {
   if (!options.report.empty()) MIEN_TRY(check_output(options.report, {".html"}));
   MIEN_TRY(options.truth.check(options.takes.size()));
@@ -125,11 +135,13 @@ Result<void> run_evaluate(EvaluateOptions options) {
   std::vector<std::vector<Track>> without(ablated.size());  // Of each, takes.
   std::size_t adapted = 0;
   double adapt_s = 0;
+  std::map<std::string, std::vector<std::string>> unlearnt;  // Takes by why.
   for (std::size_t t = 0; t < takes.size(); ++t) {
     MIEN_TRY_ASSIGN(const std::vector<study::Solution> solutions, solve(model, takes[t], shaping, ablated));
     const study::Solution& solution = solutions.front();
     if (solution.personalised && solution.personalised->taken) ++adapted;
     adapt_s += solution.personalise_s;
+    if (!solution.unlearnt.empty()) unlearnt[solution.unlearnt].push_back(takes[t].path().string());
     estimates.push_back(study::with_truth(takes[t].path().string(), solution, truths[t]));
     for (std::size_t i = 0; i < ablated.size(); ++i) without[i].push_back(weights_of(solutions[i + 1]));
   }
@@ -139,6 +151,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
     evaluation.ablations.push_back(
         measure::measure_ablation(meter, estimates, ablated[i].without, without[i]));
   evaluation.ece = study::expected_region_error(estimates);
+  say_unlearnt(unlearnt);
   if (adapted > 0 && adapted < takes.size())
     fmt::print(stderr,
                "mien: the wearer was learnt on {} of the {} takes; evaluate them apart to tell them apart\n",

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "app/command.h"
-#include "mien/core/excerpt.h"
 #include "mien/modalities/modalities.h"
 #include "mien/model/linear.h"
 #include "mien/model/model_file.h"
@@ -20,11 +19,11 @@
 namespace mien::app {
 namespace {
 
-/// A wearer's model, and what it took to learn; says on stderr where a take with prompts could not be learnt
-/// from.
+/// A wearer's model, and what it took to learn; or why it is the standard one.
 struct Adapted {
   std::optional<tracker::Personalisation> personalised;
   double seconds = 0;
+  std::string unlearnt;
 };
 Result<Adapted> adapt(const take::Take& take, std::span<const model::FeatureFrame> features,
                       model::ModelFile& file) {
@@ -32,20 +31,33 @@ Result<Adapted> adapt(const take::Take& take, std::span<const model::FeatureFram
   MIEN_TRY_ASSIGN(const std::optional<DeviceTime> until, study::first_evaluated(take));
   Adapted out;
   // What is measured is not learnt from.
-  if (std::ranges::count_if(study::prompted_expressions(events), [&](const auto& prompt) {
-        return !until || prompt.end <= *until;
-      }) < static_cast<std::ptrdiff_t>(tracker::kLeastPrompts))
+  const std::vector<tracker::PromptedExpression> prompts = study::prompted_expressions(events);
+  const auto before =
+      std::ranges::count_if(prompts, [&](const auto& prompt) { return !until || prompt.end <= *until; });
+  if (before < static_cast<std::ptrdiff_t>(tracker::kLeastPrompts)) {
+    // Who prompted nothing expects nothing.
+    if (!prompts.empty())
+      out.unlearnt = fmt::format(
+          "{} of its {} prompted expressions come before what is measured, and it takes {}; begin a take "
+          "with "
+          "a full prologue (mien perform --prologue full), or say --no-adapt",
+          before, prompts.size(), tracker::kLeastPrompts);
     return out;
+  }
   const auto start = std::chrono::steady_clock::now();
   auto learnt = study::personalise_on(take, features, file, until);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (learnt)
-    out.personalised = *learnt;
-  else if (learnt.error().code == ErrorCode::not_found)
-    fmt::print(stderr, "mien: {}: the wearer was not learnt: {}\n", take.path().string(),
-               without_controls(learnt.error().what));
-  else
-    return std::unexpected(learnt.error());
+  if (!learnt && learnt.error().code != ErrorCode::not_found) return std::unexpected(learnt.error());
+  if (!learnt) {
+    out.unlearnt = fmt::format("{}; {}", learnt.error().what, learnt.error().fix);
+    return out;
+  }
+  out.personalised = *learnt;
+  if (!learnt->taken)
+    out.unlearnt = fmt::format(
+        "what was learnt foretells prompts that were held out no better than the standard skin does "
+        "(surprise {:.3f}, without it {:.3f}); check the sensors and record the prompts again",
+        learnt->surprise_after, learnt->surprise_before);
   return out;
 }
 
@@ -144,12 +156,17 @@ Result<study::Solution> OpenModel::solve_causal(const take::Take& take, model::M
     progress(0, "learning the wearer");
     MIEN_TRY_ASSIGN(adapted, adapt(take, features, file));
   }
-  if (live && !adapted.personalised) return solve_tracked(take, progress, shaping);
+  if (live && !adapted.personalised) {
+    MIEN_TRY_ASSIGN(study::Solution replayed, solve_tracked(take, progress, shaping));
+    replayed.unlearnt = std::move(adapted.unlearnt);
+    return replayed;
+  }
   MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
                   tracker::CausalTracker::create(std::move(file), take.rig().face_sensor_names()));
   MIEN_TRY_ASSIGN(study::Solution solution, study::solve_take(take, features, tracker, progress));
   solution.personalised = adapted.personalised;
   solution.personalise_s = adapted.seconds;
+  solution.unlearnt = std::move(adapted.unlearnt);
   return solution;
 }
 

@@ -47,8 +47,9 @@ Result<std::vector<std::string>> command_of(std::vector<std::string> arguments) 
 }  // namespace
 
 Result<void> become_trainer(std::vector<std::string> arguments) {
-  MIEN_TRY_ASSIGN(std::vector<std::string> command, command_of(std::move(arguments)));
-  auto become = become_program(std::move(command), environment());
+  MIEN_TRY_ASSIGN(const fs::path helper, find_helper("mien-train"));
+  arguments.insert(arguments.begin(), "mien");  // By which it knows what was typed.
+  auto become = become_program(helper, std::move(arguments), environment());
   if (!become) become.error().fix = "build or install it again, with Debian's libtorch-dev";
   return become;
 }

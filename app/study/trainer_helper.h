@@ -9,7 +9,8 @@
 namespace mien::app {
 
 /// Becomes the helper mien-train with these arguments, so that its exit status, its progress and Ctrl-C are
-/// the program's own; comes back only with an error. Errors: not_found (no helper), io.
+/// the program's own, and it calls itself mien; comes back only with an error. Errors: not_found (no helper),
+/// io.
 [[nodiscard]] Result<void> become_trainer(std::vector<std::string> arguments);
 
 /// What mien-train prints when it is given these arguments. Errors: not_found (no helper), io (what it says).

@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 
 #include "app/command.h"
 #include "app/media_helper.h"
@@ -38,9 +39,12 @@ struct TrainArguments {
   int parent = 0;
 };
 
+/// What it was typed as: mien, where `mien train` became it.
+std::string program = "mien-train";
+
 void tell_on_stderr(const std::string& line) {
   app::clear_progress();
-  fmt::print(stderr, "mien-train: {}\n", line);
+  fmt::print(stderr, "{}: {}\n", program, line);
 }
 
 /// Asks itself to stop, which leaves a checkpoint, when the process that started it is gone.
@@ -81,8 +85,8 @@ Result<void> run_train(const TrainArguments& arguments) {
   MIEN_TRY_ASSIGN(const train::TrainReport report,
                   train::train(*task, options, app::terminal_progress("training")));
   if (!report.replaced)
-    fmt::print(stderr, "mien-train: {} is better and stays; the new model is {}\n", options.out.string(),
-               report.model.string());
+    tell_on_stderr(fmt::format("{} is better and stays; the new model is {}", options.out.string(),
+                               report.model.string()));
   if (arguments.json) {
     Json object = {{"model", report.model.string()}, {"replaced", report.replaced}};
     object["results"] = Json::parse(report.results);
@@ -168,8 +172,9 @@ void keep_freed_memory() {
 
 int main(int argc, char** argv) {
   keep_freed_memory();
+  if (argc > 0 && std::string_view(argv[0]) == "mien") program = "mien";
   app::Commands commands(
-      "mien-train", "Trains Mien's models. Started by `mien train`; parity, step and speed are its own.");
+      program, "Trains Mien's models. Started by `mien train`; parity, step and speed are its own.");
   commands.require_one(true);
 
   TrainArguments train;

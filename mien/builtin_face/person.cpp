@@ -7,6 +7,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "mien/builtin_face/held.h"
 #include "mien/core/nearest_word.h"
@@ -31,12 +32,21 @@ bool read_whole(std::string_view text, Number& value) {
   return problem == std::errc() && stop == text.data() + text.size();
 }
 
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
 Result<BuiltinParameters> who(std::string_view name) {
   std::uint64_t seed = 0;
   if (read_whole(name, seed)) {
     Random random(seed);
     return random_identity(random);
   }
+  // "-1", "1.5", too many digits: no name is like that.
+  if (const std::size_t at = name.find_first_not_of("+-."); at < name.size() && is_digit(name[at]))
+    return fail(
+        ErrorCode::bad_usage, fmt::format("'{}' is no seed of a person", name.substr(0, 40)), {},
+        fmt::format("a seed is a whole number from 0 to {}", std::numeric_limits<std::uint64_t>::max()));
   std::vector<std::string> known;
   for (const NamedPerformer& performer : named_performers()) {
     if (performer.name == name) return performer.parameters;
@@ -76,6 +86,7 @@ Result<Person> read_person(std::string_view what) {
   if (what == kFamily) return person;
   what.remove_prefix(std::min(what.size(), kFamily.size() + 1));
   bool first = true;
+  std::vector<std::string_view> given;
   while (first || !what.empty()) {
     const std::size_t comma = std::min(what.find(','), what.size());
     const std::string_view entry = what.substr(0, comma);
@@ -84,6 +95,10 @@ Result<Person> read_person(std::string_view what) {
       MIEN_TRY_ASSIGN(person.parameters, who(entry));
     } else {
       MIEN_TRY(set_value(person.parameters, entry));
+      const std::string_view name = entry.substr(0, entry.find('='));
+      if (std::ranges::find(given, name) != given.end())
+        return fail(ErrorCode::bad_usage, fmt::format("{} is given twice", name), {}, "give it once");
+      given.push_back(name);
     }
     first = false;
   }

@@ -32,7 +32,7 @@ struct Person {
 /// Whom "builtin" (the default face, cropped), "builtin:7" (the person whom that seed draws) or "builtin:ada"
 /// (a named performer) mean; values of BuiltinParameters may follow and replace theirs:
 /// "builtin:ada,age_years=70,nose_width=2,hair=bob". Errors: bad_usage (no such performer, value or cut; a
-/// value that is no finite number).
+/// number that is no seed; a value that is no finite number, or is given twice).
 [[nodiscard]] Result<Person> find_person(std::string_view what);
 
 }  // namespace mien::builtin_face

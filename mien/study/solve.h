@@ -33,8 +33,9 @@ struct Solution {
   /// What the model learnt of the wearer on the take's own prologue first, and how long it took; else none.
   std::optional<tracker::Personalisation> personalised;
   double personalise_s = 0;
-  bool shaped = false;  ///< A replay: shaping is in its frames.
-  std::string hash;     ///< SHA-256 over each tick's device time, the 53 weights, head, eyes and provenance.
+  std::string unlearnt;  ///< Why the wearer was not learnt, and what to do, where that was asked for.
+  bool shaped = false;   ///< A replay: shaping is in its frames.
+  std::string hash;      ///< SHA-256 over each tick's device time, the 53 weights, head, eyes and provenance.
 };
 
 /// As face::FrameHash has it.

@@ -81,14 +81,17 @@ Error Database::error(int code) const {
     return {ErrorCode::io, "the file was moved, replaced or deleted while it was in use", where_, ""};
   switch (code & 0xFF) {
     case SQLITE_FULL:
-      return {ErrorCode::io, "the disk is full", where_,
-              "free some space; what was committed before is kept"};
+      return {ErrorCode::io, "the disk is full", where_, "free some space"};
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return {ErrorCode::io, "another program is using the take", where_, "close it there and try again"};
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
-      return {ErrorCode::malformed, fmt::format("the file is damaged ({})", said), where_, kUseBackup};
+      // SQLite's plain words for this code ("database disk image is malformed") say no more than ours.
+      return {ErrorCode::malformed,
+              said == sqlite3_errstr(code & 0xFF) ? "the file is damaged"
+                                                  : fmt::format("the file is damaged ({})", said),
+              where_, kUseBackup};
     case SQLITE_TOOBIG:
       return {ErrorCode::out_of_range, "a value in it is larger than any that a take holds", where_,
               kDamagedFix};

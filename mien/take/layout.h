@@ -100,7 +100,8 @@ inline constexpr std::int64_t kPcmJoinNs = 10'000'000;
 /// The note that finish() writes last. Its value counts the rows of every table but header and note.
 inline constexpr const char* kFinishedKey = "mien.finished";
 inline constexpr const char* kUseBackup = "use a copy that was made before it was damaged";
-inline constexpr const char* kDamagedFix = "the file is damaged or was changed by another program";
+inline constexpr const char* kDamagedFix =
+    "use a copy from before it was damaged or changed by another program";
 
 /// The profile of the weights in `truth`: face::kShapeNames in their order.
 inline constexpr const char* kProfile = "ict53";

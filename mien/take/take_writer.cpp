@@ -95,9 +95,14 @@ struct TakeWriter::State {
     }
     has_space.notify_all();
   }
+  /// Keeps why the take ends here, and what becomes of it.
+  void end(Error first) {
+    first.fix += first.fix.empty() ? "" : "; ";
+    first.fix += unfinished ? "nothing of it is kept" : "what was committed before is kept";
+    keep(std::move(first));
+  }
   void refuse(std::string what) {
-    keep({ErrorCode::out_of_range, std::move(what), path.string(),
-          "the recording ends here; what came before is kept"});
+    end({ErrorCode::out_of_range, std::move(what), path.string(), "the recording ends here"});
   }
 
   /// Appends one record: `put` writes its columns.
@@ -120,7 +125,7 @@ struct TakeWriter::State {
 
   void write_batches() {
     RowWriter rows(database);
-    if (auto ready = rows.prepare(); !ready) return keep(std::move(ready).error());
+    if (auto ready = rows.prepare(); !ready) return end(std::move(ready).error());
     ByteWriter batch;
     for (;;) {
       {
@@ -132,7 +137,7 @@ struct TakeWriter::State {
         std::swap(batch, queue);
       }
       has_space.notify_all();
-      if (auto stored = rows.commit(batch.bytes()); !stored) return keep(std::move(stored).error());
+      if (auto stored = rows.commit(batch.bytes()); !stored) return end(std::move(stored).error());
     }
   }
 
@@ -140,7 +145,7 @@ struct TakeWriter::State {
     try {
       write_batches();
     } catch (const std::exception& exception) {
-      keep({ErrorCode::io, fmt::format("storing the take failed ({})", exception.what()), path.string(), ""});
+      end({ErrorCode::io, fmt::format("storing the take failed ({})", exception.what()), path.string(), ""});
     }
   }
 };

@@ -153,7 +153,7 @@ TEST(Child, ThatIsNotThereIsNotFound) {
 }
 
 TEST(Child, NoProgramCannotBeBecome) {
-  const auto become = become_program({"/nowhere/mien-no-such-program"}, {"A=1"});
+  const auto become = become_program("/nowhere/mien-no-such-program", {"mien"}, {"A=1"});
   ASSERT_FALSE(become);
   EXPECT_EQ(become.error().code, ErrorCode::io);
   EXPECT_EQ(become.error().where, "/nowhere/mien-no-such-program");

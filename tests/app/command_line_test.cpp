@@ -49,6 +49,7 @@ void expect_help(const std::vector<std::string>& command) {
   }
   EXPECT_EQ(help.status, 0);
   EXPECT_EQ(help.err, "");
+  EXPECT_THAT(help.out, HasSubstr("Usage: " + joined(command) + " "));
   EXPECT_THAT(help.out, HasSubstr("Example:"));
   EXPECT_THAT(help.out, HasSubstr("  " + joined(command)));
   for (const std::string& part : commands_in(help.out)) {
@@ -197,6 +198,8 @@ TEST_F(WrongInput, Performances) {
                   {perform({"--rig", "@garbage.mien"}), "garbage.mien"},
                   {perform({"--face", "nobody"}), "nobody"},
                   {perform({"--face", "builtin:many"}), "builtin:many"},
+                  // Before a text is read aloud, which would leave the sound.
+                  {perform({"--face", "nobody", "--script", "reading", "--sound", "@new.wav"}), "nobody"},
                   {perform({"--face", "@garbage.glb"}), "garbage.glb"},
                   {perform({"--devices", "@none.toml"}), "none.toml"},
                   {perform({"--devices", "@wrong.toml"}), "gyro_smell"},
@@ -272,6 +275,15 @@ TEST_F(WrongInput, ModelsFacesAndMotions) {
        {{"render", "--weights", "jawOpen=wide", "--out", "@new.png"}, "jawOpen"},
        {{"render", "--weights", "jawOpen", "--out", "@new.png"}, "'jawOpen' has no number"},
        {{"render", "--weights", "mouthSmileLeft=1,jawOpne=1", "--out", "@new.png"}, "did you mean jawOpen?"},
+       {{"render", "--weights", "jawOpen=1,mouthClose=1,jawOpen=1", "--out", "@new.png"},
+        "jawOpen is given twice"},
+       {{"render", "--weights", "jawOpen=1", "--weights", "jawopen=0", "--out", "@new.png"},
+        "'jawopen=0': jawOpen"},
+       {{"render", "--weights", "mouthSmile=1,mouthSmileLeft=0", "--out", "@new.png"},
+        "mouthSmile_L is given"},
+       {{"render", "--weights", "tongueOut=1,tongueOut=0", "--out", "@new.png"}, "tongueOut is given twice"},
+       {{"face", "--face", "builtin:-1"}, "a whole number from 0 to 18446744073709551615"},
+       {{"face", "--face", "builtin:7,hair=bob,hair=bob"}, "hair is given twice"},
        {{"render", "--face", "nobody", "--out", "@new.png"}, "nobody"},
        {{"render", "--face", "builtin:haan", "--out", "@new.png"}, "did you mean hana?"},
        {{"render", "--face", "builtin:ada,nose_widht=2", "--out", "@new.png"}, "did you mean nose_width?"},

@@ -13,6 +13,7 @@ namespace mien::app::test::main_job_test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// A rig, a motion and a model in a folder.
 class MainJob : public ::testing::Test {
@@ -200,9 +201,26 @@ TEST_F(MainJob, TheLiveModelStandsWithTheProgram) {
   EXPECT_EQ(evaluated["provenance"]["jawOpen"], (nlohmann::json{{"measured", 1.0}}));
   for (const char* shape : {"eyeBlink_L", "jawLeft", "mouthFunnel", "eyeLookUp_L"})
     EXPECT_EQ(evaluated["provenance"][shape], (nlohmann::json{{"predicted", 1.0}})) << shape;
+  // Who prompted nothing hears nothing of it.
+  EXPECT_THAT(run({"evaluate", take, take}).err, Not(HasSubstr("learnt")));
   const auto solved = json_of({"solve", take});
   EXPECT_THAT(solved["model"].get<std::string>(), ::testing::EndsWith("models/live.safetensors"));
   EXPECT_EQ(json_of({"solve", take})["hash"], solved["hash"]);
+}
+
+TEST_F(MainJob, EvaluateLearnsTheWearerOrSaysWhyNot) {
+  // On the standard skin: what is learnt is about as good, and by this seed a little worse.
+  json_of({"perform", "--motion", folder_ / "talking.csv", "--devices", "lab", "--prologue", "full", "--seed",
+           "2", "--take", folder_ / "a.mien"});
+  const Outcome done = run({"evaluate", folder_ / "a.mien", "--json"});
+  ASSERT_EQ(done.status, 0) << done.err;
+  const bool adapted = nlohmann::json::parse(done.out)["adapted"];
+  const auto said =
+      HasSubstr("the wearer was not learnt: what was learnt foretells prompts that were held out no better");
+  if (adapted)
+    EXPECT_THAT(done.err, Not(HasSubstr("not learnt")));
+  else
+    EXPECT_THAT(done.err, said);
 }
 
 TEST_F(MainJob, ReplacesATakeOnlyWhenToldTo) {

@@ -12,6 +12,7 @@
 namespace mien::builtin_face::person_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -65,13 +66,18 @@ TEST(Person, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(error("builtin:haan"), HasSubstr("did you mean hana?"));
   EXPECT_THAT(error("builtin:xyzzyx"), HasSubstr("there are ada, bruno"));
   EXPECT_THAT(error("builtin:"), HasSubstr("there is no performer ''"));
-  EXPECT_THAT(error("builtin:-1"), HasSubstr("there is no performer"));
+  for (const char* seed : {"-1", "1.5", "7x", "+7", "18446744073709551616"})
+    EXPECT_THAT(error((std::string("builtin:") + seed).c_str()),
+                AllOf(HasSubstr(std::string("'") + seed + "' is no seed of a person"),
+                      HasSubstr("a whole number from 0 to 18446744073709551615")));
   EXPECT_THAT(error("builtin:ada,nose_widht=1"), HasSubstr("did you mean nose_width?"));
   EXPECT_THAT(error("builtin:ada,nose_width"), HasSubstr("has no number"));
   EXPECT_THAT(error("builtin:ada,nose_width=nan"), HasSubstr("has no number"));
   EXPECT_THAT(error("builtin:ada,nose_width=inf"), HasSubstr("has no number"));
   EXPECT_THAT(error("builtin:ada,nose_width=1x"), HasSubstr("has no number"));
   EXPECT_THAT(error("builtin:ada,hair=bbo"), HasSubstr("did you mean bob?"));
+  EXPECT_THAT(error("builtin:ada,sex=1,age_years=7,sex=1"), HasSubstr("sex is given twice"));
+  EXPECT_THAT(error("builtin:hair=bob,hair=none"), HasSubstr("hair is given twice"));
   EXPECT_TRUE(names_person("builtin,hair=none"));
   EXPECT_FALSE(names_person("builtinish"));
   EXPECT_FALSE(names_person("face.glb"));

@@ -21,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
 
 /// A head of six vertices, two eyeballs of three, and the targets that a test asks for. Every part of the
 /// text can be changed by a test, so that each wrong input stands alone.
@@ -374,6 +375,20 @@ INSTANTIATE_TEST_SUITE_P(
         with("buffer_elsewhere", R"("buffers":[{)", R"("buffers":[{"uri":"/etc/hostname",)")),
     [](const auto& one) { return std::string(one.param.what); });
 
+TEST(Gltf, IsCalledDamagedInOurWords) {
+  const auto refusal = [](const std::string& from, const std::string& to) {
+    Head head;
+    head.edit = [&](std::string& json) { replace(json, from, to); };
+    const auto result = parse_gltf(head.glb(), "bad.glb");
+    return result ? std::string() : result.error().message();
+  };
+  EXPECT_THAT(refusal(R"("scene":0)", R"("scene":!)"),
+              MatchesRegex("bad.glb: its JSON is broken at line 1, column [0-9]+; export it again, or .*"));
+  EXPECT_THAT(
+      refusal(R"("count":6)", R"("count":"6")"),
+      MatchesRegex("bad.glb: it is damaged, or no sound glTF \\(.*count.*\\); export it again, or .*"));
+}
+
 TEST(Gltf, RefusesNumbersThatAreNotFinite) {
   for (const float bad :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30F}) {
@@ -418,6 +433,9 @@ TEST(Gltf, FilesAreReadFromItsOwnFolderOnly) {
     ASSERT_TRUE(write_file(folder / "inside" / "head.gltf", text));
     const auto head = import_gltf(folder / "inside" / "head.gltf");
     EXPECT_EQ(head.has_value(), works) << uri;
+    if (!works)
+      EXPECT_THAT(head.error().message(),
+                  HasSubstr("head.gltf: a file that it names is not in its folder ("));
     EXPECT_EQ(builtin_face::load_face((folder / "inside" / "head.gltf").string()).has_value(), works) << uri;
   }
   EXPECT_EQ(import_gltf(folder / "nothing.glb").error().code, ErrorCode::not_found);

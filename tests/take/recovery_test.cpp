@@ -14,6 +14,7 @@
 #include <functional>
 
 #include "mien/core/random.h"
+#include "mien/take/database.h"
 #include "mien/take/take.h"
 #include "tests/take/example_take.h"
 
@@ -338,7 +339,7 @@ TEST(Recovery, KeepsWhatFitsOnAFullDisk) {
     // 60 MB do not pass through a queue of 16 MiB unnoticed.
     if (status_before || status_before.error() != done.error()) return 5;
     if (done.error().message().find("a.mien") == std::string::npos) return 6;
-    return 0;
+    return done.error().fix.ends_with("what was committed before is kept") ? 0 : 7;
   });
   EXPECT_EQ(status, 0);
   const auto take = Take::open(path);
@@ -348,6 +349,27 @@ TEST(Recovery, KeepsWhatFitsOnAFullDisk) {
   EXPECT_GE(entries.size(), 70U) << "less than the first batch of 4 MiB";
   EXPECT_LT(entries.size(), 340U);
   EXPECT_TRUE(take->check());
+}
+
+TEST(Recovery, SaysThatNothingIsKeptOfWhatAppearsWhenFinished) {
+  const mien::test::Folder folder;
+  const auto path = folder / "a.mien";
+  const int status = run_process([&] {
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit = {20U << 20U, 20U << 20U};
+    if (::setrlimit(RLIMIT_FSIZE, &limit) != 0) return 2;
+    auto writer = TakeWriter::create(path, test::example_header(), false, Appears::when_finished);
+    if (!writer) return 3;
+    const std::vector<std::byte> packet(60'000, std::byte{7});
+    for (int i = 0; i < 1000; ++i) writer->add_entry(test::host_ms(i), "udp", packet);
+    const auto done = writer->finish();
+    if (done || done.error().code != ErrorCode::io) return 4;
+    return done.error().fix.ends_with("nothing of it is kept") ? 0 : 5;
+  });
+  EXPECT_EQ(status, 0);
+  EXPECT_TRUE(fs::is_empty(folder.path())) << "something half-written is left";
+  // What is kept is the writer's to say.
+  EXPECT_EQ(Database().error(SQLITE_FULL).message(), "the disk is full; free some space");
 }
 
 TEST(Recovery, SaysAtOnceWhenNothingCanBeWritten) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <string_view>
@@ -19,6 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 inline constexpr std::size_t kMaxJsonDepth = 128;
+constexpr const char* kExportAgain = "export it again, or use a copy from before it was damaged";
 
 /// tinygltf walks JSON recursively: text that nests deeper than any real file must not reach it.
 bool nests_too_deep(std::string_view json) {
@@ -71,6 +73,25 @@ std::string first_line(std::string text) {
   return excerpt(text, kComplaintLetters);
 }
 
+/// What tinygltf complains of, in our words, with what to do.
+Error damage(const std::string& complaint, const std::string& name) {
+  if (complaint.empty()) return {ErrorCode::malformed, "this is no glTF", name, kExportAgain};
+  int line = 0, column = 0;
+  if (const std::size_t at = complaint.find("parse error at line ");
+      at != std::string::npos &&
+      std::sscanf(complaint.c_str() + at, "parse error at line %9d, column %9d", &line, &column) == 2)
+    return {ErrorCode::malformed, fmt::format("its JSON is broken at line {}, column {}", line, column), name,
+            kExportAgain};
+  constexpr std::string_view kMissing = "File not found : ";
+  const std::string said = first_line(complaint);
+  if (said.starts_with(kMissing))
+    return {ErrorCode::malformed,
+            fmt::format("a file that it names is not in its folder ({})", said.substr(kMissing.size())), name,
+            "put that file there, or export it as a .glb, which is one file"};
+  return {ErrorCode::malformed, fmt::format("it is damaged, or no sound glTF ({})", said), name,
+          kExportAgain};
+}
+
 }  // namespace
 
 bool Folder::holds(const std::string& file) const {
@@ -84,7 +105,7 @@ bool Folder::holds(const std::string& file) const {
 
 Result<tinygltf::Model> read_container(std::span<const std::byte> bytes, const std::string& name,
                                        Folder& folder) {
-  if (bytes.empty()) return fail(ErrorCode::truncated, "the file is empty", name);
+  if (bytes.empty()) return fail(ErrorCode::truncated, "the file is empty", name, kExportAgain);
   if (bytes.size() > kMaxBytes) return fail(ErrorCode::out_of_range, "the file is larger than 1 GiB", name);
   const bool binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
   std::string_view json(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -96,15 +117,15 @@ Result<tinygltf::Model> read_container(std::span<const std::byte> bytes, const s
     const auto kind = header.take(4);
     const auto chunk = header.take(json_length);
     if (!header.ok() || length > bytes.size())
-      return fail(ErrorCode::truncated, "the file is cut short", name);
+      return fail(ErrorCode::truncated, "the file is cut short", name, kExportAgain);
     if (version != 2)
       return fail(ErrorCode::unsupported, fmt::format("this is glTF version {}, not 2", version), name);
     if (std::memcmp(kind.data(), "JSON", 4) != 0)
-      return fail(ErrorCode::malformed, "the first chunk is not JSON", name);
+      return fail(ErrorCode::malformed, "the first chunk is not JSON", name, kExportAgain);
     json = {reinterpret_cast<const char*>(chunk.data()), chunk.size()};
   }
   if (nests_too_deep(json))
-    return fail(ErrorCode::malformed, "the JSON nests deeper than any glTF does", name);
+    return fail(ErrorCode::malformed, "the JSON nests deeper than any glTF does", name, kExportAgain);
 
   tinygltf::TinyGLTF loader;
   loader.SetFsCallbacks(callbacks(folder));
@@ -128,9 +149,7 @@ Result<tinygltf::Model> read_container(std::span<const std::byte> bytes, const s
     error = thrown.what();
     read = false;
   }
-  if (!read)
-    return fail(ErrorCode::malformed,
-                error.empty() ? "this is no glTF" : "this is no sound glTF: " + first_line(error), name);
+  if (!read) return std::unexpected(damage(error, name));
   for (const std::string& extension : model.extensionsRequired)
     if (extension == "KHR_draco_mesh_compression" || extension == "EXT_meshopt_compression")
       return fail(ErrorCode::unsupported, fmt::format("its meshes are compressed ({})", extension), name,
