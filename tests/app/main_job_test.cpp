@@ -217,10 +217,11 @@ TEST_F(MainJob, EvaluateLearnsTheWearerOrSaysWhyNot) {
   const bool adapted = nlohmann::json::parse(done.out)["adapted"];
   const auto said =
       HasSubstr("the wearer was not learnt: what was learnt foretells prompts that were held out no better");
-  if (adapted)
+  if (adapted) {
     EXPECT_THAT(done.err, Not(HasSubstr("not learnt")));
-  else
+  } else {
     EXPECT_THAT(done.err, said);
+  }
 }
 
 TEST_F(MainJob, ReplacesATakeOnlyWhenToldTo) {

@@ -433,9 +433,10 @@ TEST(Gltf, FilesAreReadFromItsOwnFolderOnly) {
     ASSERT_TRUE(write_file(folder / "inside" / "head.gltf", text));
     const auto head = import_gltf(folder / "inside" / "head.gltf");
     EXPECT_EQ(head.has_value(), works) << uri;
-    if (!works)
+    if (!works) {
       EXPECT_THAT(head.error().message(),
                   HasSubstr("head.gltf: a file that it names is not in its folder ("));
+    }
     EXPECT_EQ(builtin_face::load_face((folder / "inside" / "head.gltf").string()).has_value(), works) << uri;
   }
   EXPECT_EQ(import_gltf(folder / "nothing.glb").error().code, ErrorCode::not_found);

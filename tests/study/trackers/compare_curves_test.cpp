@@ -201,7 +201,6 @@ TEST(CompareCurves, PrefersNoLagBetweenRows) {
       ASSERT_TRUE(score.lag) << score.name;
       squares += score.lag->lag_s * score.lag->lag_s / kTrackers;
     }
-    std::printf("%g: %f\n", rate_hz, std::sqrt(squares));
     EXPECT_LT(std::sqrt(squares), 0.012) << rate_hz;
   }
 }
