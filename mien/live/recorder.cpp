@@ -191,12 +191,7 @@ void Recorder::run() {
 }
 
 void Recorder::turn() {
-  std::vector<take::Event> noted;
-  {
-    const std::lock_guard lock(mutex_);
-    noted = std::exchange(noted_, {});
-  }
-  take_over(noted);
+  take_over();
   while (opening_ == nullptr || settle()) {
     std::optional<Request> next;
     {
@@ -208,7 +203,7 @@ void Recorder::turn() {
     if (auto* wish = std::get_if<Wish>(&*next)) {
       open(*std::move(wish));
     } else {
-      take_over({});  // What was handed over before the end was asked for belongs to the take.
+      take_over();  // What was handed over before the end was asked for belongs to the take.
       try {
         if (writing_) conclude(std::get<End>(*next));
       } catch (const std::exception& error) {
@@ -220,11 +215,16 @@ void Recorder::turn() {
 }
 
 /// What was handed over into the temporary log, and from there into the take.
-void Recorder::take_over(std::span<const take::Event> noted) {
+void Recorder::take_over() {
   bool behind = false;
   do {
+    std::vector<take::Event> noted;
+    {
+      const std::lock_guard lock(mutex_);
+      noted = std::exchange(noted_, {});
+    }
     drain_queues();
-    for (const take::Event& event : std::exchange(noted, {})) keep(event);
+    for (const take::Event& event : noted) keep(event);
     if (overrun_.exchange(false)) give_up("the disk is too slow; record to another one");
     if (payload_overrun_.exchange(false))
       give_up("the disk is too slow for the session's pictures and sound; record to another one");
@@ -300,6 +300,10 @@ bool Recorder::settle() {
 
 /// Tells who asked.
 void Recorder::tell(const Wish& wish, Result<void> begun) {
+  {
+    const std::lock_guard lock(mutex_);
+    --wishes_;
+  }
   done();
   try {
     wish.begun(std::move(begun));
@@ -484,8 +488,9 @@ void Recorder::write(std::span<const std::byte> record) {
 void Recorder::ask(Request request) {
   {
     const std::lock_guard lock(mutex_);
-    requests_.push_back(std::move(request));
     ++pending_;
+    if (std::holds_alternative<Wish>(request)) ++wishes_;
+    requests_.push_back(std::move(request));
   }
   signal_.give();
 }
@@ -515,7 +520,7 @@ Result<void> Recorder::wait() {
 Recorder::State Recorder::state() const {
   const std::lock_guard lock(mutex_);
   State state = state_;
-  state.beginning = !state.on && pending_ > 0;
+  state.beginning = wishes_ > 0;
   state.unable = spool_error_;
   return state;
 }

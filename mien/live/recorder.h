@@ -76,7 +76,7 @@ class Recorder {
 
   struct State {
     bool on = false;         ///< From when its file is there until all is on the disk.
-    bool beginning = false;  ///< It is not on, and something is asked for.
+    bool beginning = false;  ///< One is asked for that has neither begun nor been refused.
     std::filesystem::path path;
     double seconds = 0;  ///< Since the recording was asked for; what the session was before comes on top.
     std::string error;   ///< Why the recording ended early; empty when it did not.
@@ -104,7 +104,7 @@ class Recorder {
   std::span<std::byte> claim(std::size_t size);
   void run();
   void turn();
-  void take_over(std::span<const take::Event> noted);
+  void take_over();
   void open(Wish wish);
   [[nodiscard]] Result<void> check_can_begin(const Wish& wish) const;
   [[nodiscard]] bool settle();
@@ -143,7 +143,8 @@ class Recorder {
   mutable std::mutex mutex_;  // Held for moments only.
   std::condition_variable ended_;
   std::deque<Request> requests_;
-  std::size_t pending_ = 0;  // Requests that are not done yet; one of them is not in the queue any more.
+  // Requests that are not done yet, and how many of them are wishes; one is not in the queue any more.
+  std::size_t pending_ = 0, wishes_ = 0;
   std::vector<take::Event> noted_;
   State state_;
   std::string spool_error_;  // Why no recording can begin any more.
