@@ -30,10 +30,6 @@ using BeastCode = beast::error_code;
 
 using Clock = std::chrono::steady_clock;
 
-/// How long silence is borne.
-constexpr auto kPatience = std::chrono::seconds(5);
-/// How long an answer is waited for while other news comes: a busy machine answers late.
-constexpr auto kAnswer = std::chrono::seconds(30);
 /// How soon a wish to stop is seen.
 constexpr auto kSlice = std::chrono::milliseconds(50);
 constexpr std::uint16_t kPagePort = 8740;
@@ -89,6 +85,7 @@ struct SessionClient::State {
   std::string sending;
   bool writing = false;
 
+  Patience patience;
   std::string where;
   std::optional<Error> broken;
   SessionStatus status;
@@ -105,7 +102,7 @@ Result<void> SessionClient::State::wait(const std::function<bool()>& done, const
   while (!done()) {
     if (broken) return std::unexpected(*broken);
     if (stop != nullptr && *stop) return fail(ErrorCode::cancelled, "stopped", where);
-    if (Clock::now() >= std::min(std::max(begin, heard) + kPatience, begin + kAnswer))
+    if (Clock::now() >= std::min(std::max(begin, heard) + patience.silence, begin + patience.answer))
       lose(silence, kStartOne);
     run_one();
   }
@@ -185,9 +182,10 @@ SessionClient::SessionClient(std::unique_ptr<State> state) : state_(std::move(st
 SessionClient::~SessionClient() = default;
 
 Result<std::unique_ptr<SessionClient>> SessionClient::open(const std::string& at, const TokenOption& token,
-                                                           const std::atomic<bool>& stop) {
+                                                           const std::atomic<bool>& stop, Patience patience) {
   MIEN_TRY_ASSIGN(const Place place, parse_place(at, token));
   auto state = std::make_unique<State>();
+  state->patience = patience;
   MIEN_TRY(state->connect(place, stop));
   return std::unique_ptr<SessionClient>(new SessionClient(std::move(state)));
 }
