@@ -125,7 +125,8 @@ Result<void> run_evaluate(EvaluateOptions options) {
       return fail(ErrorCode::bad_usage, "the takes are of sensors that no one model knows",
                   take.path().string(), "evaluate them apart");
   MIEN_TRY_ASSIGN(const OpenModel::Shaping shaping, options.shaping.read());
-  options.model.adapt = !options.no_adapt;
+  // Of a session's take the prompts may lie among what a phone's truth is known of.
+  options.model.adapt = !options.no_adapt && !options.truth.told();
   MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(takes.front().rig()));
   std::string face_name = options.face;
   MIEN_TRY_ASSIGN(const face::Face face, face_to_measure_on(performed_on, face_name));
@@ -172,8 +173,9 @@ Result<void> run_evaluate(EvaluateOptions options) {
     std::fwrite(text.data(), 1, text.size(), stdout);
     return {};
   }
-  fmt::print("{} frames of {} take{} on {}, {} profile, {}\n\n", evaluation.frames, evaluation.takes,
-             evaluation.takes == 1 ? "" : "s", face_name, context.devices, measure::asked_how(context));
+  fmt::print("{} frames of {} take{} on {}, {} profile, {}; model {}\n\n", evaluation.frames,
+             evaluation.takes, evaluation.takes == 1 ? "" : "s", face_name, context.devices,
+             measure::asked_how(context), one_line(context.model));
   std::vector<std::string> first = measure::truth_told(context);
   std::ranges::move(measure::baselines_ahead(evaluation), std::back_inserter(first));
   for (const std::string& sentence : first) fmt::print("{}\n", sentence);
@@ -219,8 +221,10 @@ void add_evaluate_command(Commands& commands) {
                      "Face to measure on (default: the take's own where it is found, else builtin)");
   command.add_option("--report", options->report, "Write a self-contained HTML page with plots");
   command
-      .add_flag("--no-adapt", options->no_adapt,
-                "Do not personalise the live model on a take's full prologue first")
+      .add_flag(
+          "--no-adapt", options->no_adapt,
+          "Do not personalise the live model on a take's full prologue first; with --truth, and of a model "
+          "that learnt from a phone, it never is")
       .excludes(command.option("--window"));
   command.add_flag("--json", options->json, "Print one JSON object");
 }

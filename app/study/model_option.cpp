@@ -152,7 +152,8 @@ Result<study::Solution> OpenModel::solve_causal(const take::Take& take, model::M
     MIEN_TRY_ASSIGN(features, study::take_features(take));
   }
   Adapted adapted;
-  if (adapt_ && file.skin && file.skin->wearer.empty()) {
+  // Prompts would drop what a phone taught.
+  if (adapt_ && file.skin && file.skin->wearer.empty() && !file.correction) {
     progress(0, "learning the wearer");
     MIEN_TRY_ASSIGN(adapted, adapt(take, features, file));
   }

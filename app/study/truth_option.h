@@ -20,6 +20,8 @@ class TruthOption {
   };
 
   void add_to(const Command& command);
+  /// Whether a phone's is asked for.
+  [[nodiscard]] bool told() const { return phone_.given(); }
   /// Errors: bad_usage (a phone's file for several takes).
   [[nodiscard]] Result<void> check(std::size_t takes) const;
   /// Says on stderr what align says. Errors: study::own_truth's; of a phone's: check_aligns', take_features',

@@ -33,11 +33,7 @@ std::string file_name_of(const std::string& performer) {
 std::filesystem::path new_take(const std::filesystem::path& folder, const std::string& performer) {
   const std::string stem =
       fmt::format("{}_{:%Y-%m-%d_%H-%M-%S}", file_name_of(performer), fmt::localtime(std::time(nullptr)));
-  std::filesystem::path take = folder / (stem + ".mien");
-  std::error_code ignored;
-  for (int i = 2; std::filesystem::exists(take, ignored); ++i)
-    take = folder / fmt::format("{}_{}.mien", stem, i);
-  return take;
+  return unused(folder / (stem + ".mien"));
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ void Engine::State::on_beat() {
     pieces[piece].clear();
     look_at_interfaces();
   }
-  for (const RecordingNews::Sentence& news : recording_news.tell(recorder.state()))
+  for (const RecordingNews::Sentence& news : recording_news.tell(recorder.state(), recorder.take_ended()))
     tell(news.kind, news.text);
   for (const CameraNews::Sentence& news : line_news.tell(now(), intake.lines())) tell(news.kind, news.text);
   intake.fast_senders(fast_senders);
@@ -244,7 +244,6 @@ void Engine::State::start_recording(const std::filesystem::path& path, take::Hea
 }
 
 void Engine::State::has_begun(const std::filesystem::path& path) {
-  recording_news.begin();
   tell("recording", "recording " + path.string());
 }
 

@@ -26,6 +26,8 @@ constexpr Duration kLongestEnd = VideoRecording::kLastChunk + std::chrono::secon
 constexpr const char* kHeardWithoutConsent =
     "this session has heard sound already, which its takes hold, and the performer agreed to none";
 
+constexpr const char* kDropped = "it was ended before it began";
+
 /// Names of files need not be UTF-8.
 std::string dumped(const json& object) {
   return object.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -63,12 +65,12 @@ void Engine::State::on_message(std::uint64_t client, std::string_view text) {
 
 void Engine::State::answer(std::uint64_t client, std::string_view text) {
   const json command = json::parse(text, nullptr, false);
+  const bool numbered = command.is_object() && command.contains("id") && command["id"].is_number_integer();
+  const std::int64_t number = numbered ? command["id"].get<std::int64_t>() : 0;
   if (!command.is_object() || !command.contains("command") || !command["command"].is_string()) {
-    page->send(client, reply_json(0, "not a command; docs/reference/page_protocol.md lists them"));
+    page->send(client, reply_json(number, "not a command; docs/reference/page_protocol.md lists them"));
     return;
   }
-  const std::int64_t number =
-      command.contains("id") && command["id"].is_number_integer() ? command["id"].get<std::int64_t>() : 0;
   // Whatever was agreed to otherwise or no more: of video, it was the recording's own consent.
   if (command["command"] == "consent_over" || command["command"] == "consent") video.finish(now());
   if (session::is_session_command(command["command"].get<std::string>())) {
@@ -116,6 +118,7 @@ void Engine::State::answer_record(const json& command, const Answered& answered)
   const Result<bool> on = switch_field(command, "record");
   if (!on) return answered(std::unexpected(on.error()));
   if (!*on) {
+    dataset_dropped = true;
     end_recording();
     return answered(std::string());
   }
@@ -136,6 +139,7 @@ void Engine::State::answer_dataset(const json& command, const Answered& answered
   if (const auto begin = command.find("begin"); begin != command.end()) {
     Result<DatasetWish> wish = dataset_wish(*begin);
     if (!wish) return answered(std::unexpected(std::move(wish).error()));
+    dataset_dropped = false;
     shelf.plan(*std::move(wish), growing(), [this, answered](Result<DatasetPlan> plan) {
       boost::asio::post(network, [this, answered, plan = std::move(plan)] {
         if (plan)
@@ -165,9 +169,8 @@ void Engine::State::begin_dataset(const DatasetPlan& plan, const Answered& answe
   const auto refuse = [&answered](ErrorCode code, std::string what, std::string where, std::string fix) {
     answered(fail(code, std::move(what), std::move(where), std::move(fix)));
   };
-  // While its takes were read another may have begun.
-  if (const Recorder::State recorded = recorder.state(); recorded.on || recorded.beginning)
-    return refuse(ErrorCode::bad_usage, "a recording runs already", "dataset", "end it first");
+  // While its takes were read.
+  if (dataset_dropped) return refuse(ErrorCode::cancelled, kDropped, "dataset", "begin it again");
   if (!plan.wish.consent.sound && has_heard_sound(session->rig(), loop.report()))
     return refuse(ErrorCode::bad_usage, kHeardWithoutConsent, "dataset",
                   "start it with --no-audio, or ask the performer");
@@ -180,7 +183,6 @@ void Engine::State::begin_dataset(const DatasetPlan& plan, const Answered& answe
   take::Header header = settings.header;
   header.performer = plan.wish.consent.performer;
   header.script = plan.wish.script;
-  dataset_dropped = false;
   start_recording(plan.take, std::move(header), [this, answered, plan](const Result<void>& started) {
     Result<std::string> done = started ? go_through(plan) : std::unexpected(started.error());
     if (started && !done) recorder.end(notes());
@@ -190,8 +192,7 @@ void Engine::State::begin_dataset(const DatasetPlan& plan, const Answered& answe
 
 Result<std::string> Engine::State::go_through(const DatasetPlan& plan) {
   // While its file was made.
-  if (dataset_dropped)
-    return fail(ErrorCode::cancelled, "it was ended before it began", "dataset", "begin it again");
+  if (dataset_dropped) return fail(ErrorCode::cancelled, kDropped, "dataset", "begin it again");
   const session::Report report = loop.report();
   if (!plan.wish.consent.sound && has_heard_sound(session->rig(), report))
     return fail(ErrorCode::bad_usage, kHeardWithoutConsent, plan.take.string(),
@@ -306,7 +307,7 @@ Result<void> Engine::State::begin_lesson(const Answered& answered) {
     return fail(ErrorCode::bad_usage, "the newest calibration is not in force", "learn_phone",
                 "calibrate first; what is learnt belongs to it");
   MIEN_TRY_ASSIGN(const std::filesystem::path unnamed, take_path(settings.takes, {}));
-  const std::filesystem::path path = settings.takes / ("phone_" + unnamed.filename().string());
+  const std::filesystem::path path = unused(settings.takes / ("phone_" + unnamed.filename().string()));
   MIEN_TRY_ASSIGN(std::vector<session::Command> asked,
                   lesson.begin(path, report.prompts.state, report.calibration.in_force));
   start_recording(

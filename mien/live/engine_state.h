@@ -134,7 +134,7 @@ struct Engine::State {
   TakeListing listing;
   DatasetShelf shelf;
   DatasetRecording dataset;
-  bool dataset_dropped = false;  // Ended while its file was being made.
+  bool dataset_dropped = false;  // Ended while its takes were read, or its file was made.
   PhoneLesson lesson;
   VideoRecording video;
   std::optional<HostTime> ending;      // Since when the recording waits for the end of its video.

@@ -37,10 +37,18 @@ Result<void> check_file_name(const std::string& name, const std::string& what) {
               "letters, digits, - and _");
 }
 
+std::filesystem::path unused(const std::filesystem::path& take) {
+  std::filesystem::path path = take;
+  std::error_code ignored;
+  for (int i = 2; std::filesystem::exists(path, ignored); ++i)
+    path.replace_filename(fmt::format("{}_{}{}", take.stem().string(), i, take.extension().string()));
+  return path;
+}
+
 Result<std::filesystem::path> take_path(const std::filesystem::path& folder, const std::string& name) {
   if (name.empty()) {
     const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-    return folder / fmt::format("take_{:%Y-%m-%d_%H-%M-%S}.mien", fmt::localtime(now));
+    return unused(folder / fmt::format("take_{:%Y-%m-%d_%H-%M-%S}.mien", fmt::localtime(now)));
   }
   MIEN_TRY(check_file_name(name, "take"));
   return folder / (name.ends_with(".mien") ? name : name + ".mien");

@@ -22,6 +22,9 @@ namespace mien::live {
 /// bad_usage, told of `what`.
 [[nodiscard]] Result<void> check_file_name(const std::string& name, const std::string& what);
 
+/// This file, or with a number behind its name the first of it that is not there.
+[[nodiscard]] std::filesystem::path unused(const std::filesystem::path& take);
+
 /// The take that a person means in `folder`: a name, never a path; empty: one by the time of day. Errors:
 /// bad_usage.
 [[nodiscard]] Result<std::filesystem::path> take_path(const std::filesystem::path& folder,

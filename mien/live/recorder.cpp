@@ -235,9 +235,7 @@ void Recorder::take_over() {
         [[maybe_unused]] const auto kept = writing_->writer.finish();  // What was written stays.
         writing_.reset();
         const std::lock_guard lock(mutex_);
-        state_.on = false;
-        state_.error = why;
-        ended_.notify_all();
+        is_over(why);
       }
     const std::lock_guard lock(mutex_);
     state_.log = spool_.usage(newest_);
@@ -425,8 +423,15 @@ void Recorder::conclude(const End& end) {
   const auto finished = writing_->writer.finish();
   writing_.reset();
   const std::lock_guard lock(mutex_);
-  if (!finished) state_.error = finished.error().message();
+  is_over(finished ? std::string() : finished.error().message());
+}
+
+/// With the lock.
+void Recorder::is_over(const std::string& error) {
   state_.on = false;
+  state_.error = error;
+  over_.push_back({state_.path, error});
+  ended_.notify_all();
 }
 
 /// The temporary log has a hole from here on: what is recorded ends, and nothing can be recorded any more.
@@ -436,10 +441,8 @@ void Recorder::give_up(const std::string& why) {
   const std::lock_guard lock(mutex_);
   if (spool_error_.empty()) spool_error_ = why;
   spool_.close();
-  if (writing_) state_.error = why;
+  if (writing_) is_over(why);
   writing_.reset();
-  state_.on = false;
-  ended_.notify_all();
 }
 
 void Recorder::write(std::span<const std::byte> record) {
@@ -515,6 +518,11 @@ Result<void> Recorder::wait() {
   ended_.wait(lock, [this] { return !state_.on && pending_ == 0; });
   if (state_.error.empty()) return {};
   return fail(ErrorCode::io, state_.error, state_.path.string(), "what was recorded until then is kept");
+}
+
+std::vector<Recorder::Ended> Recorder::take_ended() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(over_, {});
 }
 
 Recorder::State Recorder::state() const {

@@ -85,6 +85,14 @@ class Recorder {
   };
   [[nodiscard]] State state() const;
 
+  /// A recording that is over.
+  struct Ended {
+    std::filesystem::path path;
+    std::string error;  ///< Why it ended early; empty when it did not.
+  };
+  /// Those since the last call, in their order.
+  [[nodiscard]] std::vector<Ended> take_ended();
+
  private:
   struct Writing;
   /// A recording that is asked for.
@@ -123,6 +131,7 @@ class Recorder {
   [[nodiscard]] bool read_payload(std::size_t size);
   void conclude(const End& end);
   void give_up(const std::string& why);
+  void is_over(const std::string& error);
 
   ByteRing ring_;
   ByteRing payload_ring_;  // A payload is there before its entry is.
@@ -146,6 +155,7 @@ class Recorder {
   // Requests that are not done yet, and how many of them are wishes; one is not in the queue any more.
   std::size_t pending_ = 0, wishes_ = 0;
   std::vector<take::Event> noted_;
+  std::vector<Ended> over_;
   State state_;
   std::string spool_error_;  // Why no recording can begin any more.
   std::jthread thread_;

@@ -7,18 +7,20 @@
 
 namespace mien::live {
 
-std::vector<RecordingNews::Sentence> RecordingNews::tell(const Recorder::State& now) {
+std::vector<RecordingNews::Sentence> RecordingNews::tell(const Recorder::State& now,
+                                                         const std::vector<Recorder::Ended>& ended) {
   std::vector<Sentence> news;
-  if (was_on_ && !now.on && now.error.empty())
-    news.push_back({"recorded", now.path.string() + " is written"});
-  was_on_ = now.on;
-  if (now.error != error_) {
-    error_ = now.error;
-    if (!error_.empty())
-      news.push_back({"recording_failed", "the recording ended: " + error_ + "; the capture goes on"});
-  } else if (now.unable != unable_ && now.error.empty()) {
-    news.push_back({"recording_failed", "this session cannot be recorded: " + now.unable});
+  bool failed = false;
+  for (const Recorder::Ended& one : ended) {
+    failed = failed || !one.error.empty();
+    if (one.error.empty())
+      news.push_back({"recorded", one.path.string() + " is written"});
+    else
+      news.push_back({"recording_failed", "the recording ended: " + one.error + "; the capture goes on"});
   }
+  // Where both are so, the one is why the other is.
+  if (now.unable != unable_ && !failed)
+    news.push_back({"recording_failed", "this session cannot be recorded: " + now.unable});
   unable_ = now.unable;
   if (!warned_ && now.unable.empty() && now.log.seconds_left && *now.log.seconds_left < kLogWarning_s) {
     warned_ = true;

@@ -19,14 +19,12 @@ class RecordingNews {
     std::string kind;  ///< "recorded", "recording_failed" or "log_fills".
     std::string text;
   };
-  /// What is new since the last call.
-  [[nodiscard]] std::vector<Sentence> tell(const Recorder::State& now);
-  /// Another recording has begun: if it ends as the one before did, that is news.
-  void begin() { error_.clear(); }
+  /// What is new since the last call. `ended`: the recordings that are over since then.
+  [[nodiscard]] std::vector<Sentence> tell(const Recorder::State& now,
+                                           const std::vector<Recorder::Ended>& ended);
 
  private:
-  bool was_on_ = false;
-  std::string error_, unable_;
+  std::string unable_;
   bool warned_ = false;
 };
 

@@ -79,7 +79,9 @@ std::vector<std::string> truth_told(const EvaluationContext& context) {
                         : "it did not see the neutral face, so that its resting offset is in it"));
   if (!sentences.empty())
     sentences.emplace_back(
-        "A phone errs, too: its own errors count as the model's here, and its delay as nobody's.");
+        "A phone errs, too: its own errors count as the model's here, and its delay as nobody's; it smooths, "
+        "so "
+        "that jitter looks larger.");
   return sentences;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <numeric>
 
@@ -164,10 +165,11 @@ Table eyes_and_lips_table(const Evaluation& evaluation) {
 }
 
 Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& context) {
-  Report report("Capture against truth",
-                fmt::format("{} frames of {} take{} on the face {}, {} profile, {}", evaluation.frames,
-                            evaluation.takes, evaluation.takes == 1 ? "" : "s", context.face, context.devices,
-                            asked_how(context)));
+  Report report(
+      "Capture against truth",
+      fmt::format("{} frames of {} take{} on the face {}, {} profile, {}; model {}", evaluation.frames,
+                  evaluation.takes, evaluation.takes == 1 ? "" : "s", context.face, context.devices,
+                  asked_how(context), std::filesystem::path(context.model).filename().string()));
   for (const std::string& sentence : truth_told(context)) report.text(sentence);
   for (const std::string& sentence : baselines_ahead(evaluation)) report.text(sentence);
   const Metrics& m = evaluation.model;

@@ -454,13 +454,15 @@ void set_overlap(const Signal& skin, const Signal& told, TimeAlignment& at) {
 
 Result<TimeAlignment> align(std::span<const model::FeatureFrame> skin, const face::Motion& told,
                             const std::optional<AlignmentPrior>& prior) {
-  const auto too_little = [&](std::string what) {
-    return fail(
-        ErrorCode::not_found, std::move(what), told.name,
-        fmt::format("record at least {:.0f} s of speech or expressions with both at once", kLeastOverlapS));
+  const auto too_little = [&](std::string what, const char* first = "") {
+    return fail(ErrorCode::not_found, std::move(what), told.name,
+                fmt::format("{}record at least {:.0f} s of speech or expressions with both at once", first,
+                            kLeastOverlapS));
   };
   const Signal felt = skin_signal(skin);
-  if (felt.size() == 0) return too_little("no sensor on the skin was there for most of the take");
+  if (felt.size() == 0)
+    return too_little("no sensor on the skin was calibrated and there for most of the take",
+                      "calibrate first, and ");
   if (told.duration_s() < kLeastOverlapS)
     return too_little(fmt::format("what the phone tells is {:.1f} s long", told.duration_s()));
   const Told channels = told_signal(told);

@@ -173,6 +173,12 @@ TEST(Recorder, AnEndIsOfTheRecordingBeforeItAndOfNoneAfter) {
   EXPECT_TRUE(take::Take::open(folder / "first.mien").value().finished());
   recorder.end({});
   ASSERT_TRUE(recorder.wait());
+  const std::vector<Recorder::Ended> ended = recorder.take_ended();
+  ASSERT_EQ(ended.size(), 2U);
+  EXPECT_EQ(ended[0].path, folder / "first.mien");
+  EXPECT_EQ(ended[1].path, folder / "second.mien");
+  EXPECT_EQ(ended[1].error, "");
+  EXPECT_TRUE(recorder.take_ended().empty());
   EXPECT_EQ(take::Take::open(folder / "second.mien").value().ticks().value().size(), 2u * 60);
 }
 

@@ -14,48 +14,41 @@ std::vector<std::string> kinds(const std::vector<RecordingNews::Sentence>& news)
 }
 using Kinds = std::vector<std::string>;
 
-TEST(RecordingNews, SaysOnceThatATakeIsWritten) {
+TEST(RecordingNews, SaysOfEachTakeThatItIsWrittenOrWhyItEnded) {
   RecordingNews news;
   Recorder::State state;
-  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
+  EXPECT_EQ(kinds(news.tell(state, {})), Kinds{});
   state.on = true;
-  state.path = "me.mien";
-  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
-  state.on = false;
-  const auto said = news.tell(state);
-  ASSERT_EQ(kinds(said), Kinds{"recorded"});
-  EXPECT_EQ(said[0].text, "me.mien is written");
-  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
+  EXPECT_EQ(kinds(news.tell(state, {})), Kinds{});
+  // The next one runs already.
+  const auto said = news.tell(state, {{"a.mien", ""}, {"b.mien", "the disk is full"}, {"c.mien", ""}});
+  ASSERT_EQ(kinds(said), (Kinds{"recorded", "recording_failed", "recorded"}));
+  EXPECT_EQ(said[0].text, "a.mien is written");
+  EXPECT_THAT(said[1].text, HasSubstr("the disk is full; the capture goes on"));
+  EXPECT_EQ(kinds(news.tell(state, {})), Kinds{});
 }
 
-TEST(RecordingNews, SaysWhyOneEndedAndSaysItAgainOfTheNext) {
+TEST(RecordingNews, WhyOneEndedIsNotSaidOnceMoreOfTheSession) {
   RecordingNews news;
   Recorder::State state;
-  state.on = true;
-  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
-  state.on = false;
-  state.error = "the disk is full";
-  const auto said = news.tell(state);
-  ASSERT_EQ(kinds(said), Kinds{"recording_failed"});
-  EXPECT_THAT(said[0].text, HasSubstr("the disk is full; the capture goes on"));
-  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
-  news.begin();
-  EXPECT_EQ(kinds(news.tell(state)), Kinds{"recording_failed"});
+  state.unable = "the log is full";
+  EXPECT_EQ(kinds(news.tell(state, {{"a.mien", "the log is full"}})), Kinds{"recording_failed"});
+  EXPECT_EQ(kinds(news.tell(state, {})), Kinds{});
 }
 
 TEST(RecordingNews, SaysOnceThatTheLogFillsAndThatItIsFull) {
   RecordingNews news;
   Recorder::State state;
   state.log.seconds_left = RecordingNews::kLogWarning_s + 1;
-  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
+  EXPECT_EQ(kinds(news.tell(state, {})), Kinds{});
   state.log.seconds_left = 95;
-  const auto said = news.tell(state);
+  const auto said = news.tell(state, {});
   ASSERT_EQ(kinds(said), Kinds{"log_fills"});
   EXPECT_THAT(said[0].text, HasSubstr("full in 2 minutes"));
-  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
+  EXPECT_EQ(kinds(news.tell(state, {})), Kinds{});
   state.unable = "the log is full";
-  EXPECT_EQ(kinds(news.tell(state)), Kinds{"recording_failed"});
-  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
+  EXPECT_EQ(kinds(news.tell(state, {})), Kinds{"recording_failed"});
+  EXPECT_EQ(kinds(news.tell(state, {})), Kinds{});
 }
 
 }  // namespace

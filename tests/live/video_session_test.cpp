@@ -102,6 +102,71 @@ struct VideoSession : ::testing::Test {
   std::jthread thread;
 };
 
+/// The reply to a command of that number.
+Json reply_of(boost::asio::io_context& network, const PageClient& page, int number) {
+  Json reply;
+  EXPECT_TRUE(run_until(network, [&] {
+    for (const Json& message : page.messages())
+      if (message["type"] == "reply" && message["id"] == number) reply = message;
+    return !reply.is_null();
+  })) << number;
+  return reply;
+}
+
+TEST_F(VideoSession, AnEndRightAfterTheBeginningEndsIt) {
+  PageClient page(network, port);
+  ASSERT_TRUE(run_until(network, [&] { return !page.last("status").is_null(); }));
+  int number = 1000;
+  for (const Json& end :
+       {Json{{"command", "dataset"}, {"end", true}}, Json{{"command", "record"}, {"on", false}}}) {
+    Json begin = begin_command(false);
+    begin["id"] = ++number;
+    page.say(begin.dump());
+    EXPECT_EQ(page.ask(end)["ok"], true);
+    // It had not begun, or is ended.
+    const Json reply = reply_of(network, page, number);
+    if (reply["ok"] == false) {
+      EXPECT_THAT(reply["error"].get<std::string>(), HasSubstr("ended before it began"));
+    }
+    const auto statuses = [&] {
+      return std::ranges::count_if(page.messages(),
+                                   [](const Json& message) { return message["type"] == "status"; });
+    };
+    // What was told before may be older.
+    const auto known = statuses();
+    EXPECT_TRUE(run_until(network, [&] {
+      if (statuses() < known + 2) return false;
+      const Json status = page.last("status");
+      return status["recording"]["on"] == false &&
+             (status["dataset"].is_null() || status["dataset"]["over"] == true) &&
+             (status["prompts"].is_null() || status["prompts"]["state"] != "block");
+    })) << page.last("status");
+  }
+}
+
+TEST_F(VideoSession, EveryRecordingIsToldToBeWrittenHoweverSoonTheNextBegins) {
+  PageClient page(network, port);
+  ASSERT_TRUE(run_until(network, [&] { return !page.last("status").is_null(); }));
+  constexpr int kTakes = 5;
+  for (int i = 0; i < kTakes; ++i) {
+    EXPECT_EQ(page.ask({{"command", "record"}, {"on", true}, {"name", ""}})["ok"], true);
+    EXPECT_EQ(page.ask({{"command", "record"}, {"on", false}})["ok"], true);
+  }
+  const auto written = [&] {
+    return std::ranges::count_if(page.messages(), [](const Json& message) {
+      return message["type"] == "event" && message["kind"] == "recorded";
+    });
+  };
+  EXPECT_TRUE(run_until(network, [&] { return written() == kTakes; })) << written();
+}
+
+TEST_F(VideoSession, AnAnswerHasTheNumberOfWhatIsNoCommand) {
+  PageClient page(network, port);
+  ASSERT_TRUE(run_until(network, [&] { return !page.last("status").is_null(); }));
+  page.say(R"({"id": 41, "command": 5})");
+  EXPECT_EQ(reply_of(network, page, 41)["ok"], false);
+}
+
 TEST_F(VideoSession, StandsBesideTheTakeAndInItsLog) {
   PageClient page(network, port);
   ASSERT_TRUE(run_until(network, [&] { return !page.last("status").is_null(); }));
