@@ -503,10 +503,11 @@ void Recorder::start(std::filesystem::path path, take::Header header, bool repla
 }
 
 Result<void> Recorder::start(std::filesystem::path path, take::Header header, bool replace) {
-  std::promise<Result<void>> begun;
+  // Shared: who sets it may still be at it when the result is there.
+  const auto begun = std::make_shared<std::promise<Result<void>>>();
   start(std::move(path), std::move(header), replace,
-        [&begun](Result<void> result) { begun.set_value(std::move(result)); });
-  return begun.get_future().get();
+        [begun](Result<void> result) { begun->set_value(std::move(result)); });
+  return begun->get_future().get();
 }
 
 void Recorder::end(std::vector<take::Note> notes) {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <filesystem>
 #include <future>
+#include <memory>
 #include <thread>
 
 #include "tests/folder.h"
@@ -116,33 +117,41 @@ TEST(Recorder, SaysWhyItCannotBegin) {
   EXPECT_TRUE(recorder.start(folder / "a.mien", header(), true));
 }
 
+/// Asks for a recording, and tells whether it begins.
+std::future<Result<void>> ask_for(Recorder& recorder, const std::filesystem::path& take) {
+  // Shared: who sets it may still be at it when the result is there.
+  const auto begun = std::make_shared<std::promise<Result<void>>>();
+  recorder.start(take, header(), false,
+                 [begun](Result<void> result) { begun->set_value(std::move(result)); });
+  return begun->get_future();
+}
+
 /// Begins a recording, and asks for more before the recorder goes on: what that is comes in one turn.
 template <class Asks>
 void begin_and_ask(Recorder& recorder, const std::filesystem::path& take, Asks&& asks) {
-  std::promise<std::thread::id> begun;
-  std::promise<void> asked;
-  recorder.start(take, header(), false, [&](const Result<void>& result) {
+  const auto begun = std::make_shared<std::promise<std::thread::id>>();
+  const auto asked = std::make_shared<std::promise<void>>();
+  recorder.start(take, header(), false, [begun, go_on = asked->get_future().share()](Result<void> result) {
     EXPECT_TRUE(result) << result.error().message();
-    begun.set_value(std::this_thread::get_id());
-    asked.get_future().wait();
+    begun->set_value(std::this_thread::get_id());
+    go_on.wait();
   });
-  EXPECT_NE(begun.get_future().get(), std::this_thread::get_id());
+  EXPECT_NE(begun->get_future().get(), std::this_thread::get_id());
   asks();
-  asked.set_value();
+  asked->set_value();
 }
 
 TEST(Recorder, RefusesASecondRecordingAndEndsTheFirst) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
   Recorder recorder(folder.path());
   record_seconds(recorder, 0, 2);
-  std::promise<Result<void>> second;
+  std::future<Result<void>> second;
   begin_and_ask(recorder, folder / "first.mien", [&] {
-    recorder.start(folder / "second.mien", header(), false,
-                   [&](Result<void> begun) { second.set_value(std::move(begun)); });
+    second = ask_for(recorder, folder / "second.mien");
     recorder.end({{"live.hash", "early"}});
   });
   ASSERT_TRUE(recorder.wait());
-  const Result<void> refused = second.get_future().get();
+  const Result<void> refused = second.get();
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::bad_usage);
   EXPECT_FALSE(std::filesystem::exists(folder / "second.mien"));
@@ -157,15 +166,14 @@ TEST(Recorder, RefusesASecondRecordingAndEndsTheFirst) {
 TEST(Recorder, AnEndIsOfTheRecordingBeforeItAndOfNoneAfter) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
   Recorder recorder(folder.path());
-  std::promise<Result<void>> second;
+  std::future<Result<void>> second;
   begin_and_ask(recorder, folder / "first.mien", [&] {
     recorder.end({});
     recorder.end({});
-    recorder.start(folder / "second.mien", header(), false,
-                   [&](Result<void> begun) { second.set_value(std::move(begun)); });
+    second = ask_for(recorder, folder / "second.mien");
     EXPECT_TRUE(recorder.state().on);
   });
-  ASSERT_TRUE(second.get_future().get());
+  ASSERT_TRUE(second.get());
   record_seconds(recorder, 0, 2);
   EXPECT_TRUE(recorder.state().on);
   EXPECT_FALSE(recorder.state().beginning);
