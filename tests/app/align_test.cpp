@@ -207,6 +207,22 @@ TEST_F(AlignProgram, LearnsAWearerWhoIsThenSolvedOtherwise) {
   };
   EXPECT_EQ(hash({"--model", model}), hash({"--model", model}));
   EXPECT_NE(hash({"--model", model}), hash({}));
+  // Prompts of a take that is measured do not drop it.
+  const std::string prompted = *folder_ / "prompted.mien";
+  const Outcome made =
+      run({"perform", "--script", "free", "--seconds", "6", "--prologue", "full", "--take", prompted});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const auto evaluated = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"evaluate", prompted, "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome done = run(arguments);
+    EXPECT_EQ(done.status, 0) << done.err;
+    return nlohmann::json::parse(done.out, nullptr, false);
+  };
+  const auto by_phone = evaluated({"--model", model});
+  EXPECT_EQ(by_phone["adapted"], false);
+  EXPECT_EQ(by_phone["model"]["mse"], evaluated({"--model", model, "--no-adapt"})["model"]["mse"]);
+  EXPECT_NE(by_phone["model"]["mse"], evaluated({"--no-adapt"})["model"]["mse"]);
   EXPECT_THAT(refused({"personalise", take, "--truth", "phone", "--out", model}), HasSubstr("--force"));
 }
 
