@@ -38,9 +38,8 @@ Result<Adapted> adapt(const take::Take& take, std::span<const model::FeatureFram
     // Who prompted nothing expects nothing.
     if (!prompts.empty())
       out.unlearnt = fmt::format(
-          "{} of its {} prompted expressions come before what is measured, and it takes {}; begin a take "
-          "with "
-          "a full prologue (mien perform --prologue full), or say --no-adapt",
+          "{} of its {} prompted expressions come before what is measured, and it takes {}; "
+          "begin a take with a full prologue (mien perform --prologue full), or say --no-adapt",
           before, prompts.size(), tracker::kLeastPrompts);
     return out;
   }

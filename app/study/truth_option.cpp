@@ -48,8 +48,7 @@ Result<TruthOption::Truth> TruthOption::read(const take::Take& take) const {
     truth.error().where = take.path().string();
     return std::unexpected(std::move(truth).error());
   }
-  const auto known = std::ranges::count_if(
-      truth->frames, [](const take::TruthFrame& frame) { return frame.has_face && frame.evaluated; });
+  const auto known = std::ranges::count_if(truth->frames, &take::TruthFrame::evaluated);
   const phone::TimeAlignment& at = truth->alignment;
   const std::string file = std::filesystem::path(phone_.file()).filename().string();
   return Truth{.frames = std::move(truth->frames),

@@ -209,7 +209,7 @@ void Recorder::turn() {
       } catch (const std::exception& error) {
         give_up(error.what());
       }
-      done();
+      done(0);
     }
   }
 }
@@ -298,11 +298,7 @@ bool Recorder::settle() {
 
 /// Tells who asked.
 void Recorder::tell(const Wish& wish, Result<void> begun) {
-  {
-    const std::lock_guard lock(mutex_);
-    --wishes_;
-  }
-  done();
+  done(1);
   try {
     wish.begun(std::move(begun));
   } catch (const std::exception&) {
@@ -310,10 +306,11 @@ void Recorder::tell(const Wish& wish, Result<void> begun) {
   }
 }
 
-/// One request less.
-void Recorder::done() {
+/// One request less, which was a wish or none.
+void Recorder::done(std::size_t wishes) {
   const std::lock_guard lock(mutex_);
   --pending_;
+  wishes_ -= wishes;
   ended_.notify_all();
 }
 

@@ -117,7 +117,7 @@ class Recorder {
   [[nodiscard]] Result<void> check_can_begin(const Wish& wish) const;
   [[nodiscard]] bool settle();
   void tell(const Wish& wish, Result<void> begun);
-  void done();
+  void done(std::size_t wishes);
   void ask(Request request);
   [[nodiscard]] static std::size_t record_size(const take::Event& event);
   static void put_record(const take::Event& event, std::span<std::byte> room);

@@ -73,9 +73,8 @@ std::optional<std::string> UnheardMicrophone::tell(HostTime now, const sensor::R
   if (now - *wanted_since_ < kPatience) return std::nullopt;
   over_ = true;
   return fmt::format(
-      "nothing comes from the microphone '{}' yet: is it on, and does it send here as {}, the device that it "
-      "is "
-      "bound to?",
+      "nothing comes from the microphone '{}' yet: is it on, and does it send here as {}, "
+      "the device that it is bound to?",
       name_, link.device);
 }
 
