@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "mien/core/covariance.h"
+
 namespace mien::imu {
 namespace {
 
@@ -238,8 +240,7 @@ void Fusion::estimate_bias(double dt_s, const Mat3& rotation, const Vec3& error_
   const Mat3 innovation = Mat3(variance.asDiagonal()) + observed * bias_cov_ * observed.transpose();
   const Mat3 kalman = bias_cov_ * observed.transpose() * innovation.inverse();
   bias_ += kalman * error;
-  bias_cov_ -= kalman * observed * bias_cov_;
-  bias_cov_ = 0.5 * (bias_cov_ + bias_cov_.transpose().eval());
+  update_covariance<3, 3>(bias_cov_, observed, kalman, variance.asDiagonal());
   bias_ = bias_.cwiseMax(-settings_.rest_bias_clip_rad_s).cwiseMin(settings_.rest_bias_clip_rad_s);
 }
 

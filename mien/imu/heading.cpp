@@ -126,11 +126,16 @@ void HeadingTracker::predict(double dt_s) {
   heading_ = wrap_heading(heading_ + rate_ * dt_s);
   const double keep = std::exp(-dt_s / settings_.rate_tau_s);
   rate_ *= keep;
-  // Covariance: F P F^T, then the process noise.
-  cov_.row(0) += dt_s * cov_.row(1);
-  cov_.row(1) *= keep;
-  cov_.col(0) += dt_s * cov_.col(1);
-  cov_.col(1) *= keep;
+  // Covariance: F P F^T, of which one half is computed, then the process noise.
+  cov_(0, 0) += dt_s * (2 * cov_(1, 0) + dt_s * cov_(1, 1));
+  cov_(1, 0) = keep * (cov_(1, 0) + dt_s * cov_(1, 1));
+  cov_(1, 1) *= keep * keep;
+  for (Eigen::Index i = kWearer; i < kStates; ++i) {
+    cov_(i, 0) += dt_s * cov_(i, 1);
+    cov_(i, 1) *= keep;
+  }
+  cov_.row(0) = cov_.col(0).transpose();
+  cov_.row(1) = cov_.col(1).transpose();
   cov_(0, 0) += settings_.heading_walk * settings_.heading_walk * dt_s;
   cov_(1, 1) += settings_.rate_walk * settings_.rate_walk * dt_s;
   cov_.diagonal().segment<3>(kSlip).array() += settings_.slip_walk * settings_.slip_walk * dt_s;
@@ -162,9 +167,11 @@ void HeadingTracker::move_by(const StateVec& change) {
 
 void HeadingTracker::correct(const StateVec& observation, double innovation_rad, double sigma_rad) {
   const StateVec spread = cov_ * observation;
-  const StateVec kalman = spread / (observation.dot(spread) + sigma_rad * sigma_rad);
+  const double noise_rad2 = sigma_rad * sigma_rad;
+  const StateVec kalman = spread / (observation.dot(spread) + noise_rad2);
   move_by(kalman * innovation_rad);
-  cov_ = (cov_ - kalman * spread.transpose()).eval();
+  update_covariance<kStates, 1>(cov_, observation.transpose(), kalman,
+                                Eigen::Matrix<double, 1, 1>(noise_rad2));
 }
 
 bool HeadingTracker::recover_lost_heading(double dt_s, double turn_rad, double wearer_rad) {
@@ -215,10 +222,10 @@ void HeadingTracker::add_skin(double dt_s, const SkinMeasurement& measurement) {
   const Vec3 innovation = measurement.residual_rad - measurement.strength * wearer_rotation_;
   const double distance2 = innovation.dot(Mat3(expected + noise).inverse() * innovation);
   if (distance2 > kThreeNumbers * settings_.neutral_gate * settings_.neutral_gate) return;
-  const Eigen::Matrix<double, kStates, 3> kalman =
-      spread * Mat3(expected + noise * (settings_.predicted_every_s / dt_s)).inverse();
+  const Mat3 of_frames = noise * (settings_.predicted_every_s / dt_s);
+  const Eigen::Matrix<double, kStates, 3> kalman = spread * Mat3(expected + of_frames).inverse();
   move_by(kalman * innovation);
-  cov_ = (cov_ - kalman * spread.transpose()).eval();
+  update_covariance<kStates, 3>(cov_, observation, kalman, of_frames);
 }
 
 void HeadingTracker::add(double dt_s, const Quat& q_ear_face, const Quat& q_world_ear, const Vec3& rate_rad_s,

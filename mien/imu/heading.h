@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "mien/core/covariance.h"
 #include "mien/core/rotation.h"
 #include "mien/imu/skin_turns.h"
 
@@ -157,6 +158,8 @@ class HeadingTracker {
   [[nodiscard]] double heading_rad() const { return heading_; }
   /// Its standard deviation, rad, at most pi.
   [[nodiscard]] double sigma_rad() const;
+  /// Whether the covariance is one (is_covariance()); else the filter is defective.
+  [[nodiscard]] bool sound() const { return is_covariance(cov_); }
   /// The adhesive's creep since start(): rotation vector, frame H, rad; 0 without add_skin().
   [[nodiscard]] const Vec3& slip_rad() const { return slip_; }
   /// Adds the heading uncertainty of a gap, one standard deviation, rad.

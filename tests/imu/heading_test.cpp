@@ -232,6 +232,31 @@ TEST(HeadingTracker, WhatAFaceAtRestKeepsIsTheSensorsCreep) {
   EXPECT_NEAR(tracker.sigma_rad(), 10 * kRadPerDeg, 1e-9);
 }
 
+TEST(HeadingTracker, KeepsACovarianceThroughAMillionUpdates) {
+  // Twelve hours of a face that moves strongly and weakly, of a head that nods, and of gaps.
+  HeadingTracker tracker;
+  tracker.start(0, 1 * kRadPerDeg, Mat3((3 * kRadPerDeg) * (3 * kRadPerDeg) * Mat3::Identity()));
+  Random random(5);
+  for (int i = 0; i < 1'000'000; ++i) {
+    const double t = 0.045 * i;
+    if (i % 5000 == 0) tracker.inflate(8 * kRadPerDeg);
+    if (i % 7 == 0)
+      tracker.add(0.045, Quat::Identity(), Still::head(t), Vec3(0, i % 1000 < 500 ? 0 : 1, 0), Vec3::Zero());
+    else
+      tracker.skip(0.045);
+    const double sigma = (0.3 + 3 * std::abs(std::sin(0.01 * t))) * kRadPerDeg;
+    SkinMeasurement measurement = residual(0, sigma, 0.15 + std::abs(std::sin(0.3 * t)));
+    measurement.residual_rad = sigma * Vec3(random.normal(), random.normal(), random.normal());
+    measurement.heading_jacobian = Still::head(t) * Vec3::UnitY();
+    tracker.add_skin(0.045, measurement);
+    if (i % 500 == 0) {
+      ASSERT_TRUE(tracker.sound()) << i;
+    }
+  }
+  EXPECT_GT(tracker.sigma_rad(), 0.1 * kRadPerDeg);
+  EXPECT_LT(tracker.sigma_rad(), 5 * kRadPerDeg);
+}
+
 TEST(HeadingTracker, GrowsUncertainWithoutMeasurements) {
   HeadingTracker turning;
   HeadingTracker moving;

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace mien {
+
+/// Joseph's form of a Kalman filter's covariance update, P <- (I - K H) P (I - K H)^T + K R K^T. For any gain
+/// K the result is symmetric to the bit and, but for rounding of its last digits, positive semi-definite; the
+/// shorter P - K H P is neither: its antisymmetric rounding error only grows. Shape: P n x n, H m x n, K n x
+/// m, R m x m, symmetric. No allocation where the sizes are fixed. Source: Bucy and Joseph 1968, "Filtering
+/// for Stochastic Processes with Applications to Guidance".
+template <int N, int M>
+void update_covariance(Eigen::Matrix<double, N, N>& covariance,
+                       const Eigen::Matrix<double, M, N>& observation,
+                       const Eigen::Matrix<double, N, M>& gain, const Eigen::Matrix<double, M, M>& noise) {
+  Eigen::Matrix<double, N, N> keep = Eigen::Matrix<double, N, N>::Identity();
+  keep.noalias() -= gain * observation;
+  const Eigen::Matrix<double, N, N> kept = keep * covariance;
+  const Eigen::Matrix<double, N, M> weighed = gain * noise;
+  covariance.noalias() = kept * keep.transpose();
+  covariance.noalias() += weighed * gain.transpose();
+  covariance = (0.5 * (covariance + covariance.transpose())).eval();
+}
+
+/// Whether the matrix can be a covariance: finite, symmetric to the bit, no variance below zero, no
+/// correlation beyond one (by more than rounding). What is not is a defect of the filter that made it.
+template <typename Matrix>
+[[nodiscard]] bool is_covariance(const Matrix& covariance) {
+  constexpr double kRounding = 1e-9;
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    if (!(covariance(i, i) >= 0) || !std::isfinite(covariance(i, i))) return false;
+    for (Eigen::Index j = 0; j < i; ++j) {
+      if (!(covariance(i, j) == covariance(j, i))) return false;
+      if (covariance(i, j) * covariance(i, j) > (1 + kRounding) * covariance(i, i) * covariance(j, j))
+        return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace mien
