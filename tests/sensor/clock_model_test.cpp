@@ -46,6 +46,25 @@ TEST(ClockModel, FindsOffsetAndRateUnderRadioDelay) {
   }
 }
 
+TEST(ClockModel, IsAsSureAfterAMillionPairsAsAfterAMinute) {
+  // 4.6 hours, in which the device's clock falls behind by half a second.
+  Random random(5);
+  Device device;
+  device.rate = 1 - 30e-6;
+  ClockModel model;
+  for (int i = 0; i < 1'000'000; ++i) {
+    const double t = i / 60.0;
+    ASSERT_FALSE(model.add(device.clock(t), device.arrival(t, random))) << t;
+    if (t < 60 || i % 1'000 != 0) continue;
+    const double uncertainty_s = to_seconds(model.uncertainty(device.clock(t)));
+    ASSERT_GT(uncertainty_s, 1e-6) << t;
+    ASSERT_LT(uncertainty_s, 1e-3) << t;  // A second that has just begun has a late packet alone.
+    ASSERT_NEAR(model.rate(), 30e-6, 2e-6) << t;
+    ASSERT_NEAR(to_seconds(model.to_host(device.clock(t)).time_since_epoch()), t + device.least_delay_s,
+                1e-4);
+  }
+}
+
 TEST(ClockModel, GoesThereAndBack) {
   Random random(3);
   const Device device;

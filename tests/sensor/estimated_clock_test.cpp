@@ -240,6 +240,30 @@ TEST(EstimatedClock, IsAPureFunctionOfItsCalls) {
   }
 }
 
+TEST(EstimatedClock, IsAsGoodAfterAMillionSamples) {
+  // 2.8 hours.
+  constexpr int kSamples = 1'000'000, kPart = 50'000;
+  constexpr double kPeriod_s = 0.00997;
+  Random random(13);
+  EstimatedClock clock;
+  double arrival_s = 0;
+  DeviceTime last = DeviceTime::min();
+  std::vector<double> errors;
+  for (int k = 0; k < kSamples; ++k) {
+    const double time_s = k * kPeriod_s;
+    arrival_s = std::max(arrival_s + 1e-5, time_s + kLeastDelay_s + random.exponential(0.003));
+    if (random.chance(0.1)) continue;
+    const DeviceTime time = clock.add(host(arrival_s), static_cast<std::uint64_t>(k) + 1);
+    ASSERT_GT(time, last);
+    last = time;
+    errors.push_back(to_seconds(time.time_since_epoch()) - 1000 - time_s);
+    if ((k + 1) % kPart != 0) continue;
+    EXPECT_NEAR(to_seconds(clock.period()), kPeriod_s, 0.01 * kPeriod_s) << k;
+    EXPECT_LT(rms_ms(errors, mean(errors)), 0.7) << k;
+    errors.clear();
+  }
+}
+
 // What no board does, but a stranger may.
 TEST(EstimatedClock, RisesWhateverComes) {
   Random random(11);
