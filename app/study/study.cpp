@@ -11,6 +11,7 @@
 #include "app/study/study_ablation.h"
 #include "app/study/study_confidence.h"
 #include "app/study/study_hand.h"
+#include "app/study/study_hours.h"
 #include "app/study/study_headset.h"
 #include "app/study/study_lag.h"
 #include "app/study/study_live.h"
@@ -26,7 +27,6 @@
 #include "app/study/study_speech.h"
 #include "app/study/study_trackers.h"
 #include "mien/sensor/rig.h"
-#include "mien/study/imu/drift.h"
 #include "mien/study/imu/sensor_bound.h"
 #include "mien/study/imu/skin_motion.h"
 
@@ -91,85 +91,6 @@ Result<void> run_bound(const BoundOptions& options) {
   return {};
 }
 
-struct DriftOptions {
-  study::DriftRequest request;
-  std::string rig;
-  bool unknown_skin = false;
-  std::vector<double> sigma_deg = {0, 2, 4, 8};
-  std::vector<double> every_s = {1, 2, 4, 8};
-  bool json = false;
-};
-
-Result<void> run_drift(const DriftOptions& options) {
-  MIEN_TRY_ASSIGN(sensor::Rig rig, read_rig_or_default(options.rig));
-  if (options.unknown_skin) rig.skin.reset();
-  std::vector<imu::HeadingSettings> settings;
-  for (const double sigma_deg : options.sigma_deg)
-    for (const double every_s : sigma_deg > 0 ? options.every_s : std::vector<double>{1}) {
-      imu::HeadingSettings one;
-      one.neutral_sigma_rad = sigma_deg * std::numbers::pi / 180;
-      one.neutral_every_s = every_s;
-      settings.push_back(one);
-    }
-  MIEN_TRY_ASSIGN(const std::vector<study::Drift> drifts,
-                  study::study_drift(options.request, rig, settings, terminal_progress("drift")));
-  if (!options.json)
-    fmt::print(
-        "Skin rotation's error, {} virtual performers of {} s\n\n{:>10} {:>8} {:>8} {:>10} {:>8} {:>8} "
-        "{:>8}\n",
-        options.request.performers, options.request.seconds, "re-centre", "every", "RMS", "vertical",
-        "median", "worst", "missing");
-  Json rows = Json::array();
-  for (const study::Drift& drift : drifts) {
-    const double sigma_deg = drift.settings.neutral_sigma_rad * 180 / std::numbers::pi;
-    if (!options.json)
-      fmt::print("{:>10} {:6.1f} s {:7.2f}° {:9.2f}° {:7.2f}° {:7.2f}° {:6.1f} %\n",
-                 sigma_deg > 0 ? fmt::format("{:.1f}°", sigma_deg) : "off", drift.settings.neutral_every_s,
-                 drift.rms_deg, drift.vertical_rms_deg,
-                 drift.performer_rms_deg[drift.performer_rms_deg.size() / 2], drift.performer_rms_deg.back(),
-                 100 * drift.missing);
-    rows.push_back({{"neutral_sigma_deg", sigma_deg},
-                    {"neutral_every_s", drift.settings.neutral_every_s},
-                    {"rms_deg", drift.rms_deg},
-                    {"vertical_rms_deg", drift.vertical_rms_deg},
-                    {"performer_rms_deg", drift.performer_rms_deg},
-                    {"missing", drift.missing}});
-  }
-  if (options.json)
-    print_json({{"rig", rig.name},
-                {"performers", options.request.performers},
-                {"seconds", options.request.seconds},
-                {"seed", options.request.seed},
-                {"rows", rows}});
-  return {};
-}
-
-void add_drift(Commands& commands, Command study) {
-  auto drift = std::make_shared<DriftOptions>();
-  const Command command = commands.add_under(
-      study, "drift", "How far skin rotations drift from the truth, and what slow re-centring mends",
-      "mien study drift --performers 24 --sigma 0 2 --every 1", [drift] { return run_drift(*drift); });
-  command.add_option("--performers", drift->request.performers, "Virtual performers")
-      .in_range(1, 10000)
-      .show_default();
-  command.add_option("--seconds", drift->request.seconds, "Length of each performance after the prologue")
-      .number_between(1.0, 3600.0)
-      .show_default();
-  command.add_option("--rig", drift->rig, "Rig file (default: rigs/default.toml)");
-  command.add_flag("--unknown-skin", drift->unknown_skin, "As if the rig had no [skin] table");
-  command
-      .add_option(
-          "--sigma", drift->sigma_deg,
-          "Re-centring's standard deviation, degrees; 0 is off. With a [skin] table all others are alike")
-      .number_between(0.0, 90.0)
-      .show_default();
-  command.add_option("--every", drift->every_s, "Seconds between its readings")
-      .number_between(0.02, 600.0)
-      .show_default();
-  add_seed_option(command, drift->request.seed, "Of the performers and their devices");
-  command.add_flag("--json", drift->json, "Print one JSON object");
-}
-
 struct SkinOptions {
   study::SkinMotionRequest request;
   std::string rig;
@@ -206,7 +127,7 @@ void add_study_command(Commands& commands) {
   study.require_commands(0, 1);
   add_study_ablation(commands, study);
   add_study_confidence(commands, study);
-  add_drift(commands, study);
+  add_study_hours(commands, study);
   add_skin(commands, study);
   add_study_hand(commands, study);
   add_study_headset(commands, study);

@@ -171,43 +171,43 @@ void add_jitter(Commands& commands, Command settings) {
   command.add_flag("--json", options->json, "Print one JSON object");
 }
 
-struct HeadingOptions {
+struct DriftOptions {
   study::DriftRequest request = {.seed = kChoosing};
   std::string rig;
-  std::vector<double> sigmas, every_s, wearer_sigmas, slip_walk;
+  std::vector<double> correlation_s, gate, heading_walk, creep_walk;
   bool json = false;
 };
 
-std::string name_of(const imu::HeadingSettings& settings) {
-  return fmt::format("{:g}, {:g} s; {:g}; {:g}", settings.predicted_sigmas, settings.predicted_every_s,
-                     settings.wearer_rotation_sigmas, settings.slip_walk);
+std::string name_of(const imu::DriftSettings& settings) {
+  return fmt::format("{:g} s, {:g}; {:g}; {:g}", settings.correlation_s, settings.gate, settings.heading_walk,
+                     settings.creep_walk);
 }
 
 Json to_json(const study::Drift& drift) {
-  return {{"predicted_sigmas", drift.settings.predicted_sigmas},
-          {"predicted_every_s", drift.settings.predicted_every_s},
-          {"wearer_rotation_sigmas", drift.settings.wearer_rotation_sigmas},
-          {"slip_walk", drift.settings.slip_walk},
+  return {{"correlation_s", drift.settings.correlation_s},
+          {"gate", drift.settings.gate},
+          {"heading_walk", drift.settings.heading_walk},
+          {"creep_walk", drift.settings.creep_walk},
           {"rms_deg", drift.rms_deg},
           {"vertical_rms_deg", drift.vertical_rms_deg}};
 }
 
-Result<void> run_heading(HeadingOptions options) {
+Result<void> run_drift(DriftOptions options) {
   MIEN_TRY_ASSIGN(options.rig, path_or(options.rig, "rigs/default.toml"));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
-  using imu::HeadingSettings;
-  std::vector<HeadingSettings> grid(1);
-  vary(grid, &HeadingSettings::predicted_sigmas, options.sigmas);
-  vary(grid, &HeadingSettings::predicted_every_s, options.every_s);
-  vary(grid, &HeadingSettings::wearer_rotation_sigmas, options.wearer_sigmas);
-  vary(grid, &HeadingSettings::slip_walk, options.slip_walk);
+  using imu::DriftSettings;
+  std::vector<DriftSettings> grid(1);
+  vary(grid, &DriftSettings::correlation_s, options.correlation_s);
+  vary(grid, &DriftSettings::gate, options.gate);
+  vary(grid, &DriftSettings::heading_walk, options.heading_walk);
+  vary(grid, &DriftSettings::creep_walk, options.creep_walk);
   MIEN_TRY_ASSIGN(const std::vector<study::Drift> chosen_on,
-                  study::study_drift(options.request, rig, grid, terminal_progress("heading")));
+                  study::study_drift(options.request, rig, grid, terminal_progress("drift")));
   const study::Drift& best = *std::ranges::min_element(chosen_on, {}, &study::Drift::rms_deg);
   study::DriftRequest check = options.request;
   ++check.seed;
   MIEN_TRY_ASSIGN(const std::vector<study::Drift> checked_on,
-                  study::study_drift(check, rig, std::vector{HeadingSettings{}, best.settings},
+                  study::study_drift(check, rig, std::vector{DriftSettings{}, best.settings},
                                      terminal_progress("check")));
   clear_progress();
   if (options.json) {
@@ -226,7 +226,7 @@ Result<void> run_heading(HeadingOptions options) {
   const auto print = [](const std::string& name, const study::Drift& drift) {
     fmt::print("{:<38} {:6.2f}° {:6.2f}°\n", name, drift.rms_deg, drift.vertical_rms_deg);
   };
-  fmt::print("Readings' sigmas, once in; wearer's sigmas; creep; {} people of {:g} s\n\n{:<38} {:>7} {:>7}\n",
+  fmt::print("Correlation, gate; walks of headings and creep; {} people of {:g} s\n\n{:<38} {:>7} {:>7}\n",
              options.request.performers, options.request.seconds,
              fmt::format("chosen on seed {}", options.request.seed), "RMS", "vert.");
   for (const study::Drift& drift : chosen_on) print(name_of(drift.settings), drift);
@@ -236,22 +236,21 @@ Result<void> run_heading(HeadingOptions options) {
   return {};
 }
 
-void add_heading(Commands& commands, Command settings) {
-  auto options = std::make_shared<HeadingOptions>();
+void add_drift(Commands& commands, Command settings) {
+  auto options = std::make_shared<DriftOptions>();
   const Command command = commands.add_under(
-      settings, "heading", "The heading filter's measurements of skin: every combination of what is given",
-      "mien study settings heading --sigmas 1.2 1.67 2.4 --every 1 1.4 2",
-      [options] { return run_heading(*options); });
-  command.add_option("--rig", options->rig, "Rig file with a [skin] table (default: rigs/default.toml)");
+      settings, "drift", "The drift filter: every combination of what is given, by the skin rotations' error",
+      "mien study settings drift --correlation 30 60 120 --gate 2 2.5",
+      [options] { return run_drift(*options); });
+  command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
   add_people(command, options->request);
   const auto values = [&](const char* name, std::vector<double>& into, const char* what, double least,
                           double most) { command.add_option(name, into, what).number_between(least, most); };
-  values("--sigmas", options->sigmas, "Noise of a measurement, in sigmas of the skin's prediction", 1e-3,
-         1000);
-  values("--every", options->every_s, "Seconds in which frames add up to one", 0.02, 600);
-  values("--wearer-sigmas", options->wearer_sigmas, "Prior of the wearer's own skin, in the same sigmas", 0,
-         1000);
-  values("--creep", options->slip_walk, "Random walk of the adhesive's creep, rad a root s", 0, 1);
+  values("--correlation", options->correlation_s,
+         "Seconds in which the skin gives one independent measurement", 0.02, 3600);
+  values("--gate", options->gate, "Innovation gate, standard deviations", 0.1, 100);
+  values("--heading", options->heading_walk, "Random walk of a heading, rad a root s", 0, 1);
+  values("--creep", options->creep_walk, "Random walk of the adhesives' creep, rad a root s", 0, 1);
   add_seed_option(command, options->request.seed,
                   "Of the people to choose on; the next one's are checked on");
   command.add_flag("--json", options->json, "Print one JSON object");
@@ -265,7 +264,7 @@ void add_study_settings(Commands& commands, Command study) {
       "mien study settings jitter --cutoff 0.2 0.4 0.8", nullptr);
   settings.require_commands(0, 1);
   add_jitter(commands, settings);
-  add_heading(commands, settings);
+  add_drift(commands, settings);
 }
 
 }  // namespace mien::app

@@ -162,6 +162,7 @@ void Fusion::restart() {
   anew.bias_ = bias_;
   anew.bias_cov_ = bias_cov_;
   anew.restarts_ = restarts_ + 1;
+  anew.on_skin_ = on_skin_;
   *this = anew;
 }
 
@@ -219,11 +220,12 @@ void Fusion::estimate_bias(double dt_s, const Mat3& rotation, const Vec3& error_
   Mat3 observed;
   Vec3 error;
   Vec3 variance;
-  if (at_rest_ && settings_.rest_bias_estimation) {
+  const bool rests = at_rest_ && settings_.rest_bias_estimation;
+  if (rests && (rest_expected_ || !on_skin_)) {
     observed = Mat3::Identity();
     error = rest_gyro_.value() - bias_;
     variance = Vec3::Constant(weight(settings_.bias_sigma_rest_rad_s));
-  } else if (settings_.motion_bias_estimation) {
+  } else if (!rests && settings_.motion_bias_estimation) {
     for (Eigen::Index row = 0; row < 3; ++row) observed.row(row) = delayed.segment<3>(3 * row).transpose();
     error = -(observed * bias_);
     // The inclination correction of one step, as a rate, is the bias seen in the world's horizontal axes. The

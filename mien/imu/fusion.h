@@ -176,6 +176,10 @@ class Fusion {
   /// tolerance, and at any rate within rest_bias_clip_rad_s.
   void expect_rest(bool expected) { rest_expected_ = expected; }
   [[nodiscard]] bool rest_expected() const { return rest_expected_; }
+  /// Whether the sensor sits on a living head, which sways by 0.1 to 0.3 deg/s: rest then tells no bias
+  /// unless it is expected, and no vertical bias is learnt from sway.
+  void set_on_skin(bool on_skin) { on_skin_ = on_skin; }
+  [[nodiscard]] bool on_skin() const { return on_skin_; }
 
   /// q_world_sensor. With fuse_mag its heading is magnetic.
   [[nodiscard]] Quat orientation() const;
@@ -216,6 +220,7 @@ class Fusion {
   FusionSettings settings_;
   bool started_ = false;
   bool rest_expected_ = false;
+  bool on_skin_ = false;
   double last_dt_s_ = 0;
   Quat q_gyro_ = Quat::Identity();
   Quat q_accel_ = Quat::Identity();

@@ -68,7 +68,7 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
   const Calibration& calibration = s.calibration;
   if (ear && calibration.complete && s.channels[*s.head].restarted) s.realign_head(frame, *ear);
   const bool head_known = ear && calibration.complete && !s.channels[*s.head].restarted;
-  const Quat& c = calibration.q_head_ear;
+  const Quat c = s.q_head_ear();
   Vec3 head_rate = Vec3::Zero();
   std::optional<Vec3> head_turn;  // Angular acceleration, frame H; from the second frame on.
   if (head_known) {
@@ -82,7 +82,9 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
 
   const Gaps ear_gaps = s.head ? s.take_gaps(*s.head, frame) : Gaps();
   const bool followed = s.settings.track_heading && !s.settings.magnetometer;
+  if (ear_gaps.sigma_rad > 0) s.drift.turn_all(0, ear_gaps.sigma_rad);
   s.poses.assign(s.face.size(), std::nullopt);
+  if (followed && calibration.complete) s.drift.predict(dt_s);
   for (std::size_t i = 0; i < s.face.size(); ++i) {
     Channel& channel = s.channels[s.face[i]];
     Quat lab;
@@ -92,8 +94,7 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
     }
     if (!calibration.complete || !calibration.sensors[i].valid) continue;
     const Gaps gaps = s.take_gaps(s.face[i], frame);
-    if (gaps.sigma_rad > 0 || ear_gaps.sigma_rad > 0)
-      s.trackers[i].inflate(std::hypot(gaps.sigma_rad, ear_gaps.sigma_rad));
+    if (gaps.sigma_rad > 0) s.drift.inflate(i, gaps.sigma_rad);
     double& tilt_rad2 = s.tilt_rad2[i];
     tilt_rad2 *= std::exp(-2 * dt_s / s.settings.fusion.tau_accel_s);
     if (gaps.tilt_restarted)
@@ -105,7 +106,7 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
     if (head_known && channel.settled()) s.poses[i] = s.pose(s.face[i], frame);
     const std::optional<FusedSample>& pose = s.poses[i];
     if (!pose) {
-      s.trackers[i].skip(dt_s);
+      s.nods[i].interrupt();
       s.implausible_s[i] = 0;
       continue;
     }
@@ -113,19 +114,20 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
     if (!followed) continue;
     if (bridged) {
       // Where the head is was told by the skin: nothing is learnt from where skin is to it.
-      s.trackers[i].skip(dt_s);
+      s.nods[i].interrupt();
       continue;
     }
     if (s.implausible(i, dt_s, *ear, *pose)) {
-      s.trackers[i].skip(dt_s);
+      s.nods[i].interrupt();
       s.poses[i].reset();
       continue;
     }
     const Quat relative = s.relative(i, ear->orientation);
-    s.trackers[i].add(dt_s, relative, ear->orientation, relative * pose->rate_rad_s - ear->rate_rad_s,
-                      ear->rate_rad_s);
+    if (const auto nod = s.nods[i].add(dt_s, relative, ear->orientation,
+                                       relative * pose->rate_rad_s - ear->rate_rad_s, ear->rate_rad_s))
+      s.drift.add_nod(i, *nod);
   }
-  if (head_known && followed && !bridged) s.update_headings_from_skin(dt_s, ear->orientation);
+  if (head_known && followed && !bridged) s.measure_skin(dt_s, ear->orientation);
 
   for (std::size_t i = 0; i < s.face.size(); ++i) {
     const std::optional<FusedSample>& pose = s.poses[i];
@@ -152,10 +154,11 @@ const Calibration& Pipeline::calibration() const {
 
 Calibration Pipeline::calibration_now() const {
   Calibration now = state_->calibration;
+  now.q_head_ear = state_->q_head_ear();
   for (std::size_t i = 0; i < now.sensors.size(); ++i) {
     if (!now.sensors[i].valid) continue;
-    now.sensors[i].heading_rad = state_->trackers[i].heading_rad();
-    now.sensors[i].heading_sigma_rad = state_->trackers[i].sigma_rad();
+    now.sensors[i].heading_rad = state_->drift.heading_rad(i);
+    now.sensors[i].heading_sigma_rad = state_->drift.heading_sigma_rad(i);
     now.sensors[i].neutral = state_->neutral(i);
   }
   return now;
@@ -169,9 +172,11 @@ SensorStatus Pipeline::status(std::uint16_t sensor) const {
   status.lost = s.channels[sensor].integration.lost;
   for (std::size_t i = 0; i < s.face.size(); ++i) {
     if (s.face[i] != sensor || s.settings.magnetometer) continue;
-    status.heading_rad = s.trackers[i].heading_rad();
-    status.heading_sigma_rad = s.trackers[i].sigma_rad();
+    status.heading_rad = s.drift.heading_rad(i);
+    status.heading_sigma_rad = s.drift.heading_sigma_rad(i);
     status.tilt_sigma_rad = std::sqrt(s.tilt_rad2[i]);
+    status.drift_rad2 = s.drift.rotation_covariance(i, s.last_up);
+    status.faults = s.drift.faults();
   }
   return status;
 }

@@ -8,8 +8,9 @@
 
 #include "mien/core/time.h"
 #include "mien/imu/calibration.h"
+#include "mien/imu/drift_filter.h"
 #include "mien/imu/fusion.h"
-#include "mien/imu/heading.h"
+#include "mien/imu/nod_watch.h"
 #include "mien/imu/self_calibration.h"
 #include "mien/model/features.h"
 #include "mien/sensor/clock_model.h"
@@ -48,16 +49,17 @@ struct CalibrationChange {
 /// Settings of the pipeline. Defaults: docs/method/fusion.md, "Settings of the pipeline".
 struct PipelineSettings {
   FusionSettings fusion;
-  HeadingSettings heading;
+  DriftSettings drift;
+  NodSettings nod;
   /// Fuse the magnetometer where samples carry one. True: all headings are magnetic, Z_i is the identity, and
   /// no heading is tracked. False: headings are relative, from nods (a magnetometer near electronics is off
   /// by 5 deg).
   bool magnetometer = false;
-  /// Track heading drift after the calibration (HeadingTracker). False: headings stay as the calibration
+  /// Track heading drift after the calibration (DriftFilter). False: headings stay as the calibration
   /// found them, and no sensor is left out for its uncertainty.
   bool track_heading = true;
   /// Gating by uncertainty (no hysteresis): a sensor is missing while the standard deviation of its rotation,
-  /// heading (HeadingTracker) and tilt (after gaps) together as a root sum of squares, is above this, rad (17
+  /// heading (DriftFilter) and tilt (after gaps) together as a root sum of squares, is above this, rad (17
   /// deg). A wrong rotation costs a face more than none. Applies while headings are tracked. Raising:
   /// uncertain sensors stay, more rotations, some of them wrong. Lowering: more sensors are missing. Must
   /// stay above the 15 deg that a self-calibration accepts, or its sensors are missing from the start.
@@ -87,8 +89,12 @@ struct SensorStatus {
   double heading_rad = 0;        ///< Z_i now, (-pi, pi].
   double heading_sigma_rad = 0;  ///< Its standard deviation; grows without measurements.
   double tilt_sigma_rad = 0;     ///< Of its tilt after gaps, until gravity has corrected it.
-  std::uint64_t dropped = 0;     ///< Samples that arrived twice, or too late to be put in their place.
-  std::uint64_t lost = 0;        ///< Samples that never arrived, by gaps in device time.
+  /// Covariance of the error that heading and creep leave in E_i, frame H, rad^2; zero for the ear sensor.
+  Mat3 drift_rad2 = Mat3::Zero();
+  std::uint64_t dropped = 0;  ///< Samples that arrived twice, or too late to be put in their place.
+  std::uint64_t lost = 0;     ///< Samples that never arrived, by gaps in device time.
+  /// How often the drift filter had to begin anew for a covariance that was none: a defect of this program.
+  std::uint64_t faults = 0;
 };
 
 /// From decoded IMU samples to features: fusion, calibration, removal of the head's rotation, head-relative

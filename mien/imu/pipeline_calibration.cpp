@@ -17,12 +17,13 @@ void Pipeline::State::put_in_force(const Calibration& made) {
   change.kind = CalibrationChange::Kind::calibrated;
   changed_by_marks = true;
   watched = false;
+  drift.start();
   for (std::size_t i = 0; i < face.size(); ++i)
-    trackers[i].start(made.sensors[i].heading_rad, made.sensors[i].heading_sigma_rad,
-                      skin ? std::optional(skin->nominal_cov_rad2(i)) : std::nullopt);
+    move_heading(i, made.sensors[i].heading_rad, made.sensors[i].heading_sigma_rad);
   std::ranges::fill(tilt_rad2, 0.0);
   std::ranges::fill(implausible_s, 0.0);
   for (Channel& channel : channels) {
+    channel.integration.fusion.set_on_skin(true);
     channel.restarted = false;
     channel.take_gaps();
   }

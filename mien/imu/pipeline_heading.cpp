@@ -7,8 +7,6 @@
 namespace mien::imu {
 namespace {
 
-/// Interval of skin measurements, s (every third frame): successive frames carry the same information.
-constexpr double kSkinEvery_s = 0.045;
 /// Standard deviation of a heading that was aligned by the neutral, since the face may not be at it, rad (10
 /// deg).
 constexpr double kRealignedSigma_rad = 0.17;
@@ -23,32 +21,19 @@ Quat Pipeline::State::relative(std::size_t i, const Quat& q_world_ear) const {
   return q_world_ear.conjugate() * turn_of(i) * poses[i]->orientation;
 }
 
-void Pipeline::State::update_headings_from_skin(double dt_s, const Quat& q_world_ear) {
-  const Vec3 up = q_world_ear.conjugate() * Vec3::UnitY();
-  const auto turn = [&](std::size_t i) {
-    return log_rotation(relative(i, q_world_ear) * neutral(i).conjugate());
-  };
-  if (!skin) {
-    for (std::size_t i = 0; i < face.size(); ++i) {
-      if (!poses[i]) continue;
-      const Vec3 turned = turn(i);
-      trackers[i].add_turn_from_neutral(dt_s, turned.dot(up), turned.cross(up).norm());
-    }
-    return;
+void Pipeline::State::measure_skin(double dt_s, const Quat& q_world_ear) {
+  const Quat c = q_head_ear();
+  for (std::size_t i = 0; i < face.size(); ++i) {
+    turns_rad[i].reset();
+    if (poses[i])
+      turns_rad[i] = log_rotation(c * relative(i, q_world_ear) * neutral(i).conjugate() * c.conjugate());
   }
-  skin_due_s += dt_s;
-  if (skin_due_s < kSkinEvery_s) return;
-  skin->clear();
-  for (std::size_t i = 0; i < face.size(); ++i)
-    if (poses[i]) skin->add(i, calibration.q_head_ear * turn(i), std::sqrt(tilt_rad2[i]));
-  skin->solve(calibration.q_head_ear * up);
-  for (std::size_t i = 0; i < face.size(); ++i)
-    if (poses[i]) trackers[i].add_skin(skin_due_s, (*skin)[i]);
-  skin_due_s = 0;
+  last_up = c * (q_world_ear.conjugate() * Vec3::UnitY());
+  drift.add_skin(dt_s, turns_rad, tilt_rad2, last_up);
 }
 
 // A restarted board has a new heading but sits where it sat: the heading that brings its skin nearest to
-// neutral is off by no more than an expression, which the heading tracker corrects.
+// neutral is off by no more than an expression, which the drift filter corrects.
 double Pipeline::State::nearest_neutral(std::size_t i, const FusedSample& ear,
                                         const FusedSample& sensor) const {
   // trace(N^T R_h^T Z R_i) = a + b cos + c sin.
@@ -60,14 +45,14 @@ double Pipeline::State::nearest_neutral(std::size_t i, const FusedSample& ear,
 }
 
 void Pipeline::State::realign_face(std::size_t i, const FusedSample& ear, const FusedSample& sensor) {
-  trackers[i].move_to(nearest_neutral(i, ear, sensor), kRealignedSigma_rad);
+  move_heading(i, nearest_neutral(i, ear, sensor), kRealignedSigma_rad);
   channels[face[i]].restarted = false;
 }
 
 bool Pipeline::State::implausible(std::size_t i, double dt_s, const FusedSample& ear,
                                   const FusedSample& sensor) {
   const double off =
-      std::remainder(nearest_neutral(i, ear, sensor) - trackers[i].heading_rad(), 2 * std::numbers::pi);
+      std::remainder(nearest_neutral(i, ear, sensor) - drift.heading_rad(i), 2 * std::numbers::pi);
   implausible_s[i] = std::abs(off) > kMostSkinTurn_rad ? implausible_s[i] + dt_s : 0;
   if (implausible_s[i] <= kImplausibleFor_s) return implausible_s[i] > 0;
   realign_face(i, ear, sensor);
@@ -87,7 +72,7 @@ void Pipeline::State::realign_head(DeviceTime frame, const FusedSample& ear) {
       restarted = true;
       continue;
     }
-    const double turned = nearest_neutral(i, ear, *sensor) - trackers[i].heading_rad();
+    const double turned = nearest_neutral(i, ear, *sensor) - drift.heading_rad(i);
     cosine += std::cos(turned);
     sine += std::sin(turned);
   }
@@ -97,9 +82,8 @@ void Pipeline::State::realign_head(DeviceTime frame, const FusedSample& ear) {
     for (const std::uint16_t s : face) channels[s].restarted = true;
   }
   const double turned = std::atan2(sine, cosine);
-  for (std::size_t i = 0; i < face.size(); ++i)
-    trackers[i].move_to(std::remainder(trackers[i].heading_rad() + turned, 2 * std::numbers::pi),
-                        std::hypot(trackers[i].sigma_rad(), kRealignedSigma_rad));
+  drift.turn_all(turned, kRealignedSigma_rad);
+  for (NodWatch& nod : nods) nod.interrupt();
   // The head keeps its last yaw.
   const Vec3 ahead = ear.orientation * (calibration.q_head_ear.conjugate() * Vec3::UnitZ());
   const Vec3 faced = last_head * Vec3::UnitZ();

@@ -65,8 +65,10 @@ void Pipeline::State::add(Channel& channel, const FusionInput& in) {
       if (in.time > *done.newest) return;
       {
         const bool rest_expected = done.fusion.rest_expected();
+        const bool on_skin = done.fusion.on_skin();
         done = channel.history.before(in.time);
         done.fusion.expect_rest(rest_expected);
+        done.fusion.set_on_skin(on_skin);
         channel.track.drop_after(*done.newest);
       }
       return;

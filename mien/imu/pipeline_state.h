@@ -6,12 +6,13 @@
 #include <optional>
 #include <vector>
 
+#include "mien/imu/drift_filter.h"
 #include "mien/imu/heading.h"
+#include "mien/imu/nod_watch.h"
 #include "mien/imu/pipeline.h"
 #include "mien/imu/prologue.h"
 #include "mien/imu/self_calibration.h"
 #include "mien/imu/sensor_channel.h"
-#include "mien/imu/skin_turns.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/sample.h"
@@ -35,11 +36,12 @@ struct Pipeline::State {
         channels(rig.sensors.size(), Channel(s.fusion)),
         prologue(rig),
         watch(rig),
-        trackers(face.size(), HeadingTracker(s.heading)),
+        drift(s.drift, rig.skin, rig.face_sensor_names()),
+        nods(face.size(), NodWatch(s.nod)),
+        turns_rad(face.size()),
         tilt_rad2(face.size()),
         implausible_s(face.size()),
         lever_m(face.size()) {
-    if (rig.skin) skin.emplace(*rig.skin, rig.face_sensor_names());
     calibration.sensors.resize(face.size());
     prologue_frame.face.resize(face.size());
     if (!head || !rig.sensors[*head].position_m) return;
@@ -77,14 +79,24 @@ struct Pipeline::State {
   void judge(const Calibration& made);
   /// Appends a phase found by self-calibration to `change`.
   void add_found(Phase phase);
-  /// Heading measurements from skin: SkinTurns, or slow re-centring; after all poses of the frame.
-  void update_headings_from_skin(double dt_s, const Quat& q_world_ear);
+  /// The drift filter's measurement of skin; after all poses of the frame.
+  void measure_skin(double dt_s, const Quat& q_world_ear);
   /// P_i of the frame; the pose is present.
   [[nodiscard]] Quat relative(std::size_t i, const Quat& q_world_ear) const;
-  /// N_i with the adhesive's creep since the calibration.
+  /// C with the ear sensor's creep since the calibration.
+  [[nodiscard]] Quat q_head_ear() const {
+    return exp_rotation(drift.ear_creep_rad()) * calibration.q_head_ear;
+  }
+  /// N_i with both sensors' creep since the calibration: q_head_ear() P_i N_i^T q_head_ear()^T is E_i.
   [[nodiscard]] Quat neutral(std::size_t i) const {
     const Quat& c = calibration.q_head_ear;
-    return c.conjugate() * exp_rotation(trackers[i].slip_rad()) * c * calibration.sensors[i].neutral;
+    return c.conjugate() * exp_rotation(-drift.ear_creep_rad()) * exp_rotation(drift.creep_rad(i)) * c *
+           calibration.sensors[i].neutral;
+  }
+  /// Another heading of a face sensor, whose fusion restarted.
+  void move_heading(std::size_t i, double heading_rad, double sigma_rad) {
+    drift.move_to(i, heading_rad, sigma_rad);
+    nods[i].interrupt();
   }
   [[nodiscard]] bool self_calibrating() const {
     return settings.calibrates_itself && windows.empty() &&
@@ -102,11 +114,11 @@ struct Pipeline::State {
                                        const FusedSample& sensor) const;
   /// Standard deviation of a sensor's rotation: heading and tilt, root sum of squares.
   [[nodiscard]] double rotation_sigma_rad(std::size_t i) const {
-    return std::hypot(trackers[i].sigma_rad(), std::sqrt(tilt_rad2[i]));
+    return std::hypot(drift.heading_sigma_rad(i), std::sqrt(tilt_rad2[i]));
   }
   /// Z_i.
   [[nodiscard]] Quat turn_of(std::size_t i) const {
-    return settings.magnetometer ? Quat::Identity() : heading_turn(trackers[i].heading_rad());
+    return settings.magnetometer ? Quat::Identity() : heading_turn(drift.heading_rad(i));
   }
 
   PipelineSettings settings;
@@ -120,18 +132,19 @@ struct Pipeline::State {
   SelfCalibration watch;
   bool watched = false;  // The calibration in force is a self-calibration.
   Calibration calibration;
-  CalibrationChange change;              // At the current frame.
-  Calibration before_marks;              // In force at the first mark, ...
-  bool changed_by_marks = false;         // ... and whether it has been replaced since.
-  Quat last_head = Quat::Identity();     // Of the last frame that had one.
-  std::vector<HeadingTracker> trackers;  // One a face sensor.
+  CalibrationChange change;           // At the current frame.
+  Calibration before_marks;           // In force at the first mark, ...
+  bool changed_by_marks = false;      // ... and whether it has been replaced since.
+  Quat last_head = Quat::Identity();  // Of the last frame that had one.
+  DriftFilter drift;
+  std::vector<NodWatch> nods;                  // One a face sensor.
+  std::vector<std::optional<Vec3>> turns_rad;  // E_i of the frame, by face sensor.
   // By face sensor: variance of its tilt after gaps, decaying with the inclination correction.
   std::vector<double> tilt_rad2;
   std::vector<double> implausible_s;              // By face sensor: how long its turn has been implausible.
-  std::optional<SkinTurns> skin;                  // Where the rig has skin statistics.
-  double skin_due_s = 0;                          // Since its last measurement.
   std::vector<std::optional<FusedSample>> poses;  // Of the frame, by face sensor.
   std::vector<std::optional<Vec3>> lever_m;       // From the ear sensor, frame H.
+  Vec3 last_up = Vec3::UnitY();                   // The vertical at the last measured frame, frame H.
   std::optional<DeviceTime> last_frame;
   std::optional<Vec3> last_head_rate;  // Frame H, at last_frame.
 };

@@ -331,7 +331,7 @@ TEST(Pipeline, ASensorIsLeftOutUntilItsHeadingIsKnownAgain) {
 
 TEST(Pipeline, ASensorThatCreepsIsFollowedAlsoBeyondItsBoardsRestart) {
   Script script;
-  script.end = 100;
+  script.end = 160;
   constexpr double kCrept = 3 * kRadPerDeg;
   constexpr std::size_t kCreeper = 1;
   const auto creeping = [](std::size_t sensor, double t) {
@@ -344,16 +344,16 @@ TEST(Pipeline, ASensorThatCreepsIsFollowedAlsoBeyondItsBoardsRestart) {
                                           .factor_deg = 4 * Eigen::MatrixXd::Identity(9, 9)};
   for (Entry& entry : recording.entries)
     for (sensor::Sample& sample : entry.samples)
-      if (sample.sensor == kCreeper && to_seconds(entry.arrival.time_since_epoch()) > 90)
+      if (sample.sensor == kCreeper && to_seconds(entry.arrival.time_since_epoch()) > 120)
         sample.time -= std::chrono::seconds(50);
   testing_head::ClockedPipeline pipeline(recording.rig);
   double before = 0, after = 0, tilt_sigma = 0;
   play(recording, script, pipeline,
        [&](double t, const model::FeatureFrame& frame, const testing_head::ClockedPipeline& p) {
          const double shown = angle_between(rotation_of(frame.sensors[kCreeper]), Quat::Identity());
-         if (t > 80 && t < 90) before = std::max(before, shown);
-         if (t > 90) tilt_sigma = std::max(tilt_sigma, p.status(kCreeper).tilt_sigma_rad);
-         if (t > 95) after = std::max(after, shown);
+         if (t > 110 && t < 120) before = std::max(before, shown);
+         if (t > 120) tilt_sigma = std::max(tilt_sigma, p.status(kCreeper).tilt_sigma_rad);
+         if (t > 150) after = std::max(after, shown);
        });
   EXPECT_LT(before, kCrept / 2);
   EXPECT_LT(after, kCrept / 2);

@@ -29,9 +29,9 @@ double rms_deg(double squares, double count) {
 }
 
 Result<DriftSums> compare(const sensor::Rig& rig, const std::vector<virt::SkinSite>& sites,
-                          const virt::VirtualSession& session, const imu::HeadingSettings& heading) {
+                          const virt::VirtualSession& session, const imu::DriftSettings& drift) {
   imu::PipelineSettings settings;
-  settings.heading = heading;
+  settings.drift = drift;
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> frames,
                   trace_features(rig, session.events, session.entries, session.ticks, settings));
   const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
@@ -57,7 +57,7 @@ Result<DriftSums> compare(const sensor::Rig& rig, const std::vector<virt::SkinSi
 
 Result<std::vector<DriftSums>> perform_one(const DriftRequest& request, const sensor::Rig& rig,
                                            const virt::DeviceFaults& faults,
-                                           std::span<const imu::HeadingSettings> settings,
+                                           std::span<const imu::DriftSettings> settings,
                                            std::size_t performer) {
   const Random root = Random(request.seed).fork("drift", performer);
   const VirtualPerson person = draw_person(root);
@@ -65,8 +65,8 @@ Result<std::vector<DriftSums>> perform_one(const DriftRequest& request, const se
                   perform_with({.faults = faults}, person.face,
                                draw_motion(request.seconds, person.style, root), rig, root));
   std::vector<DriftSums> sums;
-  for (const imu::HeadingSettings& heading : settings) {
-    MIEN_TRY_ASSIGN(sums.emplace_back(), compare(rig, performance.sites, performance.session, heading));
+  for (const imu::DriftSettings& drift : settings) {
+    MIEN_TRY_ASSIGN(sums.emplace_back(), compare(rig, performance.sites, performance.session, drift));
   }
   return sums;
 }
@@ -74,7 +74,7 @@ Result<std::vector<DriftSums>> perform_one(const DriftRequest& request, const se
 }  // namespace
 
 Result<std::vector<Drift>> study_drift(const DriftRequest& request, const sensor::Rig& rig,
-                                       std::span<const imu::HeadingSettings> settings,
+                                       std::span<const imu::DriftSettings> settings,
                                        const Progress& progress) {
   MIEN_TRY_ASSIGN(const virt::DeviceFaults faults, virt::parse_faults(rig.faults_toml, rig.name));
   const auto count = static_cast<std::size_t>(std::max(request.performers, 1));

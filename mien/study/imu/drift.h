@@ -5,7 +5,7 @@
 
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
-#include "mien/imu/heading.h"
+#include "mien/imu/drift_filter.h"
 #include "mien/sensor/rig.h"
 
 namespace mien::study {
@@ -22,7 +22,7 @@ struct DriftRequest {
 /// How far a setting's skin rotations lie from the truth, as angles in the head frame, over the face sensors
 /// and the evaluated frames in which the pipeline gave one.
 struct Drift {
-  imu::HeadingSettings settings;
+  imu::DriftSettings settings;
   double rms_deg = 0;
   double vertical_rms_deg = 0;            ///< The part about the head's vertical, where headings err.
   std::vector<double> performer_rms_deg;  ///< Of each performer, ascending.
@@ -31,7 +31,7 @@ struct Drift {
 
 /// Every setting on the same sessions. Errors: those of the faults and the simulator; cancelled.
 [[nodiscard]] Result<std::vector<Drift>> study_drift(const DriftRequest& request, const sensor::Rig& rig,
-                                                     std::span<const imu::HeadingSettings> settings,
+                                                     std::span<const imu::DriftSettings> settings,
                                                      const Progress& progress);
 
 }  // namespace mien::study

@@ -32,6 +32,11 @@ class ImuSimulator {
   ImuSimulator(const DeviceFaults& faults, std::uint16_t site, Random random);
 
   [[nodiscard]] const VirtualClock& clock() const { return clock_; }
+  /// How far the adhesive has crept by the newest point of the trajectory: q_skin_now = q_skin_first *
+  /// exp_rotation(creep), rad, in the skin's axes.
+  [[nodiscard]] const Vec3& creep_rad() const { return track_.slip_rad; }
+  /// The sensor is pushed aside on its skin, from the next stretch on: adds this to the creep, rad.
+  void push(const Vec3& turn_rad) { track_.slip_rad += turn_rad; }
 
   /// The packets that the skin's next stretch completes, also those that are lost, in the order in which they
   /// are sent. Stretches follow one another without a gap from the trajectory's beginning; in whatever

@@ -17,7 +17,7 @@ sensor::Rig rig_with(const std::string& faults) {
 constexpr DriftRequest kShort{.performers = 2, .seconds = 8, .seed = 3, .threads = 1};
 
 TEST(StudyDrift, PerfectDevicesKeepTheSkinsRotation) {
-  const imu::HeadingSettings defaults;
+  const imu::DriftSettings defaults;
   const auto drifts =
       study_drift(kShort, rig_with("mount_rotation_deg = 180\n"), {&defaults, 1}, no_progress);
   ASSERT_TRUE(drifts) << drifts.error().message();
@@ -32,8 +32,8 @@ TEST(StudyDrift, PerfectDevicesKeepTheSkinsRotation) {
 }
 
 TEST(StudyDrift, FaultsShowAndSettingsAreCompared) {
-  std::vector<imu::HeadingSettings> settings(3);
-  settings[2].neutral_sigma_rad = 0;  // No re-centring.
+  std::vector<imu::DriftSettings> settings(3);
+  settings[2].correlation_s = 1;
   const auto drifts = study_drift(
       kShort, rig_with("mount_rotation_deg = 180\ngyro_bias_walk_dps_sqrt_min = 5\n"), settings, no_progress);
   ASSERT_TRUE(drifts) << drifts.error().message();
@@ -45,7 +45,7 @@ TEST(StudyDrift, FaultsShowAndSettingsAreCompared) {
 TEST(StudyDrift, KnownSkinHoldsHeadings) {
   sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
   const DriftRequest request{.performers = 3, .seconds = 40, .seed = 8, .threads = 0};
-  const imu::HeadingSettings defaults;
+  const imu::DriftSettings defaults;
   const auto known = study_drift(request, rig, {&defaults, 1}, no_progress);
   ASSERT_TRUE(known) << known.error().message();
   rig.skin.reset();
@@ -55,7 +55,7 @@ TEST(StudyDrift, KnownSkinHoldsHeadings) {
 }
 
 TEST(StudyDrift, StopsWhenTold) {
-  const imu::HeadingSettings defaults;
+  const imu::DriftSettings defaults;
   const auto stopped =
       study_drift(kShort, rig_with(""), {&defaults, 1}, [](double, std::string_view) { return false; });
   ASSERT_FALSE(stopped);

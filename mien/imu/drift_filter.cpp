@@ -1,0 +1,291 @@
+#include "mien/imu/drift_filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "mien/core/covariance.h"
+#include "mien/core/units.h"
+
+namespace mien::imu {
+namespace {
+
+/// What any sensor's skin does beside people's table, and what it does where that does not know the sensor:
+/// standard deviations an axis, rad.
+constexpr double kOffRad = 0.7 * kRadPerDeg, kUnknownRad = 10 * kRadPerDeg;
+/// How strongly the face moves against its usual, by all directions: bounds; one direction counts for three
+/// standard deviations at most.
+constexpr double kLeastStrength = 0.15, kMostStrength = 4, kMostOfOne2 = 9;
+/// Directions are computed anew after half of what has been learnt, within these, s; and once other sensors
+/// have been present for so long, s.
+constexpr double kSoonest_s = 10, kLatest_s = 300, kOthersAfter_s = 1;
+/// The wearer's mean counts from nothing to its share in about this time, s.
+constexpr double kFirstMean_s = 10;
+/// The correlation time grows by this share of the time since the calibration.
+constexpr double kCorrelationGrowth = 0.2;
+/// Beyond this a direction's states are lost rather than drifted, rad^2 (6 deg).
+constexpr double kLostRad2 = 0.011;
+/// Variance that marks a missing sensor's axes among the directions, rad^2: above any face's.
+constexpr double kMissingRad2 = 100;
+/// Standard deviation of a heading after a fault of the filter, rad (10 deg).
+constexpr double kAnewSigmaRad = 0.17;
+
+double wrapped(double angle) {
+  const double rest = std::remainder(angle, 2 * std::numbers::pi);
+  return rest <= -std::numbers::pi ? std::numbers::pi : rest;
+}
+
+}  // namespace
+
+DriftFilter::DriftFilter(const DriftSettings& settings, const std::optional<sensor::SkinMotion>& skin,
+                         std::span<const std::string> face_sensors)
+    : settings_(settings),
+      count_(face_sensors.size()),
+      heading_rad_(count_),
+      rate_rad_s_(count_),
+      creep_rad_(count_, Vec3::Zero()),
+      learnt_s_(count_),
+      present_(count_),
+      directed_(count_),
+      waited_s_(3 * count_),
+      turn_rad_(count_, Vec3::Zero()) {
+  const auto size = static_cast<Index>(3 * count_), states = static_cast<Index>(5 * count_ + 3);
+  covariance_ = Eigen::MatrixXd::Zero(states, states);
+  deviation_rad_ = along_rad_ = mean_rad_ = Eigen::VectorXd::Zero(size);
+  observation_ = spread_ = Eigen::VectorXd::Zero(states);
+  directions_ = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(size);
+
+  Eigen::VectorXd mean_rad = Eigen::VectorXd::Zero(size);
+  Eigen::VectorXd own_rad2 = Eigen::VectorXd::Constant(size, kUnknownRad * kUnknownRad);
+  Eigen::MatrixXd muscles = Eigen::MatrixXd::Zero(size, skin ? skin->factor_deg.cols() : 0);
+  for (std::size_t i = 0; skin && i < count_; ++i) {
+    const auto found = std::ranges::find(skin->sensors, face_sensors[i]);
+    if (found == skin->sensors.end()) continue;
+    const auto at = static_cast<Index>(3 * i), from = static_cast<Index>(3 * (found - skin->sensors.begin()));
+    mean_rad.segment<3>(at) = kRadPerDeg * skin->mean_deg.segment<3>(from);
+    muscles.middleRows<3>(at) = kRadPerDeg * skin->factor_deg.middleRows<3>(from);
+    own_rad2.segment<3>(at).setConstant(kOffRad * kOffRad);
+  }
+  people_rad2_ = muscles * muscles.transpose() + mean_rad * mean_rad.transpose();
+  people_rad2_.diagonal() += own_rad2;
+  wearer_rad2_ = distribution_rad2_ = people_rad2_;
+  start();
+}
+
+void DriftFilter::start() {
+  covariance_.setZero();
+  wearer_rad2_ = people_rad2_;
+  mean_rad_.setZero();
+  std::ranges::fill(learnt_s_, 0.0);
+  since_start_s_ = 0;
+  next_ = 0;
+  ear_creep_rad_.setZero();
+  std::ranges::fill(creep_rad_, Vec3(Vec3::Zero()));
+  directed_.assign(count_, false);
+  changed_s_ = directions_s_ = kLatest_s;
+  for (std::size_t i = 0; i < count_; ++i) move_to(i, 0, std::numbers::pi);
+}
+
+void DriftFilter::move_to(std::size_t sensor, double heading_rad, double sigma_rad) {
+  heading_rad_[sensor] = wrapped(heading_rad);
+  rate_rad_s_[sensor] = 0;
+  const auto heading = static_cast<Index>(sensor);
+  for (const Index state : {heading, rate(sensor)}) {
+    covariance_.row(state).setZero();
+    covariance_.col(state).setZero();
+  }
+  covariance_(heading, heading) = sigma_rad * sigma_rad;
+  covariance_(rate(sensor), rate(sensor)) = settings_.rate_sigma_rad_s * settings_.rate_sigma_rad_s;
+}
+
+void DriftFilter::inflate(std::size_t sensor, double sigma_rad) {
+  const auto heading = static_cast<Index>(sensor);
+  covariance_(heading, heading) += sigma_rad * sigma_rad;
+}
+
+void DriftFilter::turn_all(double by_rad, double sigma_rad) {
+  for (double& heading : heading_rad_) heading = wrapped(heading + by_rad);
+  const auto n = static_cast<Index>(count_);
+  covariance_.topLeftCorner(n, n).array() += sigma_rad * sigma_rad;
+}
+
+double DriftFilter::heading_sigma_rad(std::size_t sensor) const {
+  const auto heading = static_cast<Index>(sensor);
+  return std::min(std::numbers::pi, std::sqrt(std::max(0.0, covariance_(heading, heading))));
+}
+
+Mat3 DriftFilter::rotation_covariance(std::size_t sensor, const Vec3& up) const {
+  // E_i's error is up e + (creep - ear's creep) to first order.
+  Eigen::MatrixXd observation = Eigen::MatrixXd::Zero(3, covariance_.rows());
+  observation.col(static_cast<Index>(sensor)) = up;
+  observation.middleCols<3>(creep(sensor)).setIdentity();
+  observation.middleCols<3>(ear()) = -Mat3::Identity();
+  return observation * covariance_ * observation.transpose();
+}
+
+void DriftFilter::mirror() {
+  for (Index column = 1; column < covariance_.cols(); ++column)
+    for (Index row = 0; row < column; ++row) covariance_(row, column) = covariance_(column, row);
+}
+
+bool DriftFilter::sound() const {
+  return is_covariance(covariance_);
+}
+
+void DriftFilter::check() {
+  if (sound()) return;
+  ++faults_;
+  const std::vector<double> headings = heading_rad_;
+  start();
+  for (std::size_t i = 0; i < count_; ++i) move_to(i, headings[i], kAnewSigmaRad);
+}
+
+void DriftFilter::predict(double dt_s) {
+  if (dt_s <= 0) return;
+  const auto n = static_cast<Index>(count_);
+  for (std::size_t i = 0; i < count_; ++i) heading_rad_[i] = wrapped(heading_rad_[i] + rate_rad_s_[i] * dt_s);
+  // F P F^T: headings integrate their rates. Then the process noise.
+  covariance_.topRows(n) += dt_s * covariance_.middleRows(n, n);
+  covariance_.leftCols(n) += dt_s * covariance_.middleCols(n, n);
+  mirror();
+  const double rate_rad2 = settings_.rate_walk * settings_.rate_walk * dt_s;
+  covariance_.diagonal().head(n).array() += settings_.heading_walk * settings_.heading_walk * dt_s;
+  covariance_.topLeftCorner(n, n).array() += settings_.common_walk * settings_.common_walk * dt_s;
+  // Half of a rate's walk is the ear sensor's bias, the same for all.
+  covariance_.diagonal().segment(n, n).array() += 0.5 * rate_rad2;
+  covariance_.block(n, n, n, n).array() += 0.5 * rate_rad2;
+  covariance_.diagonal().tail(3 * n + 3).array() += settings_.creep_walk * settings_.creep_walk * dt_s;
+}
+
+void DriftFilter::correct(double innovation_rad, double noise_rad2) {
+  spread_.noalias() = covariance_ * observation_;
+  const double expected_rad2 = observation_.dot(spread_) + noise_rad2;
+  update_covariance(covariance_, spread_, expected_rad2);
+  spread_ *= innovation_rad / expected_rad2;  // The states' change.
+  for (std::size_t i = 0; i < count_; ++i) {
+    // Heading errors are estimate less truth, so they are subtracted.
+    heading_rad_[i] = wrapped(heading_rad_[i] - spread_[static_cast<Index>(i)]);
+    rate_rad_s_[i] -= spread_[rate(i)];
+    creep_rad_[i] += spread_.segment<3>(creep(i));
+  }
+  ear_creep_rad_ += spread_.segment<3>(ear());
+}
+
+void DriftFilter::add_nod(std::size_t sensor, const NodMeasurement& nod) {
+  observation_.setZero();
+  observation_[static_cast<Index>(sensor)] = 1;
+  correct(nod.error_rad, nod.sigma_rad * nod.sigma_rad);
+}
+
+void DriftFilter::learn(double dt_s) {
+  for (std::size_t i = 0; i < count_; ++i) {
+    const auto at = static_cast<Index>(3 * i);
+    deviation_rad_.segment<3>(at).setZero();
+    if (!present_[i]) continue;
+    learnt_s_[i] += dt_s;
+    if (learnt_s_[i] < settings_.mean_s)
+      mean_rad_.segment<3>(at) +=
+          (dt_s / (kFirstMean_s + learnt_s_[i])) * (turn_rad_[i] - mean_rad_.segment<3>(at));
+    deviation_rad_.segment<3>(at) = turn_rad_[i] - mean_rad_.segment<3>(at);
+  }
+  for (std::size_t i = 0; i < count_; ++i)
+    for (std::size_t j = 0; present_[i] && j < count_; ++j) {
+      if (!present_[j]) continue;
+      const auto row = static_cast<Index>(3 * i), column = static_cast<Index>(3 * j);
+      const double known_s = std::min({learnt_s_[i], learnt_s_[j], settings_.memory_s});
+      wearer_rad2_.block<3, 3>(row, column) +=
+          (dt_s / (settings_.people_s + known_s)) *
+          (deviation_rad_.segment<3>(row) * deviation_rad_.segment<3>(column).transpose() -
+           wearer_rad2_.block<3, 3>(row, column));
+    }
+}
+
+void DriftFilter::find_directions() {
+  // A missing sensor's axes are directions of their own, which no measurement uses.
+  distribution_rad2_ = wearer_rad2_;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (present_[i]) continue;
+    const auto at = static_cast<Index>(3 * i);
+    distribution_rad2_.middleRows<3>(at).setZero();
+    distribution_rad2_.middleCols<3>(at).setZero();
+    distribution_rad2_.block<3, 3>(at, at) = kMissingRad2 * Mat3::Identity();
+  }
+  directions_.compute(distribution_rad2_);
+  directed_ = present_;
+  directions_s_ = changed_s_ = 0;
+  std::ranges::fill(waited_s_, 0.0);
+}
+
+void DriftFilter::observe(Index direction, const Vec3& up) {
+  observation_.setZero();
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (!present_[i]) continue;
+    const Vec3 part = directions_.eigenvectors().col(direction).segment<3>(static_cast<Index>(3 * i));
+    // log(exp(e up) exp(r)) to the first order of e and the second of r.
+    const Vec3& turn = turn_rad_[i];
+    const Vec3 sideways = turn.cross(up);
+    observation_[static_cast<Index>(i)] = part.dot(up - 0.5 * sideways + turn.cross(sideways) / 12);
+    observation_.segment<3>(creep(i)) = part;
+    observation_.segment<3>(ear()) -= part;
+  }
+}
+
+void DriftFilter::add_skin(double dt_s, std::span<const std::optional<Vec3>> turn_rad,
+                           std::span<const double> tilt_rad2, const Vec3& up) {
+  if (dt_s <= 0 || count_ == 0) return;
+  for (std::size_t i = 0; i < count_; ++i) {
+    present_[i] = turn_rad[i].has_value();
+    turn_rad_[i] = turn_rad[i].value_or(Vec3::Zero());
+  }
+  learn(dt_s);
+  since_start_s_ += dt_s;
+  directions_s_ += dt_s;
+  changed_s_ = present_ == directed_ ? 0 : changed_s_ + dt_s;
+  if (changed_s_ > kOthersAfter_s ||
+      directions_s_ > std::clamp(0.5 * since_start_s_, kSoonest_s, kLatest_s)) {
+    check();
+    find_directions();
+  }
+  for (double& waited : waited_s_) waited += dt_s;
+  if (present_ != directed_) return;
+
+  along_rad_.noalias() = directions_.eigenvectors().transpose() * deviation_rad_;
+  const double least_rad2 = settings_.least_sigma_rad * settings_.least_sigma_rad;
+  const Eigen::VectorXd& variance_rad2 = directions_.eigenvalues();
+  double strength2 = 0, usable = 0;
+  for (Index k = 0; k < along_rad_.size(); ++k) {
+    if (variance_rad2[k] >= 0.5 * kMissingRad2) continue;
+    strength2 +=
+        std::min(kMostOfOne2, along_rad_[k] * along_rad_[k] / std::max(least_rad2, variance_rad2[k]));
+    ++usable;
+  }
+  if (usable == 0) return;
+  strength2 = std::clamp(strength2 / usable, kLeastStrength * kLeastStrength, kMostStrength * kMostStrength);
+
+  // One direction a frame: all of them twice a second with eleven sensors.
+  next_ = (next_ + 1) % waited_s_.size();
+  const auto k = static_cast<Index>(next_);
+  const double waited_s = std::exchange(waited_s_[next_], 0.0);
+  if (variance_rad2[k] >= 0.5 * kMissingRad2) return;
+  observe(k, up);
+  spread_.noalias() = covariance_ * observation_;
+  const double uncertain_rad2 = observation_.dot(spread_);
+  // The states' own errors are in what was learnt of the wearer, too.
+  const double skin_rad2 = std::max(least_rad2, variance_rad2[k] - uncertain_rad2);
+  double noise_rad2 = std::max(least_rad2, strength2 * skin_rad2);
+  for (std::size_t i = 0; i < count_; ++i)
+    noise_rad2 +=
+        tilt_rad2[i] * directions_.eigenvectors().col(k).segment<3>(static_cast<Index>(3 * i)).squaredNorm();
+  if (along_rad_[k] * along_rad_[k] > settings_.gate * settings_.gate * (uncertain_rad2 + noise_rad2)) return;
+  // States less certain than the skin, as after a gap: one look at it counts in full.
+  if (uncertain_rad2 > std::max(noise_rad2, kLostRad2)) {
+    correct(along_rad_[k], noise_rad2);
+    return;
+  }
+  const double correlation_s =
+      std::min(settings_.correlation_s, settings_.first_correlation_s + kCorrelationGrowth * since_start_s_);
+  correct(along_rad_[k], noise_rad2 * correlation_s / waited_s);
+}
+
+}  // namespace mien::imu

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/model/model_file.h"
+#include "mien/performer/script.h"
+#include "mien/sensor/rig.h"
+#include "mien/study/imu/hours_motion.h"
+
+namespace mien::study {
+
+/// Who performs for hours after one calibration, in the rig's *device* profile.
+struct HoursRequest {
+  std::vector<performer::Block> scripts;  ///< At least one.
+  std::uint64_t first_seed = 1;
+  std::size_t seeds = 2;             ///< People a script, 1 or more; each has a face and a style of its own.
+  double minutes = 180;              ///< Of each performance after the prologue, above 0.
+  bool faults = true;                ///< False: perfect devices at any mounting.
+  std::vector<HeldExpression> held;  ///< Of everyone.
+  unsigned threads = 0;              ///< 0: one a core.
+};
+
+/// The live model's squared error of the weights: 53 shapes, both sides clipped to [0, 1].
+struct HoursErrors {
+  double device = 0;
+  double lab = 0;     ///< By true rotations with a degree of noise, which cannot drift.
+  double known = 0;   ///< By true rotations without noise: headings and creep known.
+  double frozen = 0;  ///< Headings and creep stay as the calibration found them.
+};
+
+/// Ten minutes of one performance.
+struct HoursPiece {
+  double begin_s = 0;
+  std::size_t frames = 0;
+  HoursErrors mse;
+  /// `mse.device` over `mse.lab`, divided by the same of the first piece: 1 is an error that does not grow.
+  double ratio = 1;
+  double pve_mm = 0, lab_pve_mm = 0;  ///< Vertex error, mean over every twentieth frame.
+  std::size_t worst_shape =
+      0;                  ///< The shape whose mean error has grown most since the first piece, less *lab*'s.
+  double worst_bias = 0;  ///< By how much.
+  double rotation_rms_deg = 0;  ///< Error of the face sensors' skin rotations, frame H.
+  /// That error squared by the covariance that the drift filter states, over its expectation: 1 is a filter
+  /// that knows how wrong it is, above 1 one that is too sure.
+  double nees = 0;
+  double missing = 0;             ///< Share of rotations that were not given, 0 to 1.
+  std::vector<HoursErrors> held;  ///< Of each held expression within this piece: mean weight of its shapes.
+};
+
+struct HoursRun {
+  performer::Block script = performer::Block::mixed;
+  std::uint64_t seed = 0;
+  std::vector<HoursPiece> pieces;
+};
+
+/// Performs, receives and measures hours of sessions, a second at a time: memory does not grow with their
+/// length. The same request gives the same figures on any number of threads. Errors: bad_usage (nobody, no
+/// script, no time), mismatch (a model that is not causal), those of the faults and the simulator; cancelled.
+/// Cost: a fortieth of what is performed, on one core.
+[[nodiscard]] Result<std::vector<HoursRun>> study_hours(const HoursRequest& request, const sensor::Rig& rig,
+                                                        const model::ModelFile& model,
+                                                        const Progress& progress);
+
+/// Share of the runs whose every piece's ratio is at most `limit`.
+[[nodiscard]] double share_within(const std::vector<HoursRun>& runs, double limit);
+
+}  // namespace mien::study
