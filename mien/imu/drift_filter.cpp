@@ -19,13 +19,18 @@ constexpr double kOffRad = 0.7 * kRadPerDeg, kUnknownRad = 10 * kRadPerDeg;
 constexpr double kLeastStrength = 0.15, kMostStrength = 4, kMostOfOne2 = 9;
 /// Directions are computed anew after half of what has been learnt, within these, s; and once other sensors
 /// have been present for so long, s.
-constexpr double kSoonest_s = 10, kLatest_s = 300, kOthersAfter_s = 1;
+constexpr double kSoonest_s = 10, kLatest_s = 300, kOthersAfter_s = 0.15;
 /// The wearer's mean counts from nothing to its share in about this time, s.
 constexpr double kFirstMean_s = 10;
 /// The correlation time grows by this share of the time since the calibration.
 constexpr double kCorrelationGrowth = 0.2;
 /// Beyond this a direction's states are lost rather than drifted, rad^2 (6 deg).
 constexpr double kLostRad2 = 0.011;
+/// A heading more uncertain than this is beyond the linearisation, rad^2 (40 deg): each look begins with the
+/// rotations as the last one corrected them.
+constexpr double kAnywhereRad2 = 0.5;
+/// Directions that are measured a frame while a sensor is lost.
+constexpr std::size_t kLooksAtLost = 4;
 /// Variance that marks a missing sensor's axes among the directions, rad^2: above any face's.
 constexpr double kMissingRad2 = 100;
 /// Standard deviation of a heading after a fault of the filter, rad (10 deg).
@@ -53,7 +58,7 @@ DriftFilter::DriftFilter(const DriftSettings& settings, const std::optional<sens
   const auto size = static_cast<Index>(3 * count_), states = static_cast<Index>(5 * count_ + 3);
   covariance_ = Eigen::MatrixXd::Zero(states, states);
   deviation_rad_ = along_rad_ = mean_rad_ = Eigen::VectorXd::Zero(size);
-  observation_ = spread_ = Eigen::VectorXd::Zero(states);
+  observation_ = spread_ = changed_ = Eigen::VectorXd::Zero(states);
   directions_ = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(size);
 
   Eigen::VectorXd mean_rad = Eigen::VectorXd::Zero(size);
@@ -170,6 +175,7 @@ void DriftFilter::correct(double innovation_rad, double noise_rad2) {
     creep_rad_[i] += spread_.segment<3>(creep(i));
   }
   ear_creep_rad_ += spread_.segment<3>(ear());
+  changed_ += spread_;
 }
 
 void DriftFilter::add_nod(std::size_t sensor, const NodMeasurement& nod) {
@@ -263,29 +269,48 @@ void DriftFilter::add_skin(double dt_s, std::span<const std::optional<Vec3>> tur
   if (usable == 0) return;
   strength2 = std::clamp(strength2 / usable, kLeastStrength * kLeastStrength, kMostStrength * kMostStrength);
 
-  // One direction a frame: all of them twice a second with eleven sensors.
-  next_ = (next_ + 1) % waited_s_.size();
-  const auto k = static_cast<Index>(next_);
-  const double waited_s = std::exchange(waited_s_[next_], 0.0);
-  if (variance_rad2[k] >= 0.5 * kMissingRad2) return;
-  observe(k, up);
+  // One direction a frame: all of them twice a second with eleven sensors. While a sensor is lost, as after a
+  // gap, all in a tenth of that.
+  changed_.setZero();
+  bool lost = false;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double heading_rad2 = covariance_(static_cast<Index>(i), static_cast<Index>(i));
+    lost = lost || (present_[i] && heading_rad2 > kLostRad2 && heading_rad2 < kAnywhereRad2);
+  }
+  for (std::size_t looks = lost ? kLooksAtLost : 1; looks > 0; --looks) {
+    next_ = (next_ + 1) % waited_s_.size();
+    measure(static_cast<Index>(next_), strength2, tilt_rad2, up);
+  }
+}
+
+void DriftFilter::measure(Index direction, double strength2, std::span<const double> tilt_rad2,
+                          const Vec3& up) {
+  const double least_rad2 = settings_.least_sigma_rad * settings_.least_sigma_rad;
+  const Eigen::VectorXd& variance_rad2 = directions_.eigenvalues();
+  const double waited_s = std::exchange(waited_s_[static_cast<std::size_t>(direction)], 0.0);
+  if (waited_s <= 0 || variance_rad2[direction] >= 0.5 * kMissingRad2) return;
+  observe(direction, up);
+  // What the frame's measurements before have corrected is no deviation any more.
+  const double innovation_rad = along_rad_[direction] - observation_.dot(changed_);
   spread_.noalias() = covariance_ * observation_;
   const double uncertain_rad2 = observation_.dot(spread_);
   // The states' own errors are in what was learnt of the wearer, too.
-  const double skin_rad2 = std::max(least_rad2, variance_rad2[k] - uncertain_rad2);
+  const double skin_rad2 = std::max(least_rad2, variance_rad2[direction] - uncertain_rad2);
   double noise_rad2 = std::max(least_rad2, strength2 * skin_rad2);
   for (std::size_t i = 0; i < count_; ++i)
     noise_rad2 +=
-        tilt_rad2[i] * directions_.eigenvectors().col(k).segment<3>(static_cast<Index>(3 * i)).squaredNorm();
-  if (along_rad_[k] * along_rad_[k] > settings_.gate * settings_.gate * (uncertain_rad2 + noise_rad2)) return;
+        tilt_rad2[i] *
+        directions_.eigenvectors().col(direction).segment<3>(static_cast<Index>(3 * i)).squaredNorm();
+  if (innovation_rad * innovation_rad > settings_.gate * settings_.gate * (uncertain_rad2 + noise_rad2))
+    return;
   // States less certain than the skin, as after a gap: one look at it counts in full.
   if (uncertain_rad2 > std::max(noise_rad2, kLostRad2)) {
-    correct(along_rad_[k], noise_rad2);
+    correct(innovation_rad, noise_rad2);
     return;
   }
   const double correlation_s =
       std::min(settings_.correlation_s, settings_.first_correlation_s + kCorrelationGrowth * since_start_s_);
-  correct(along_rad_[k], noise_rad2 * correlation_s / waited_s);
+  correct(innovation_rad, noise_rad2 * correlation_s / waited_s);
 }
 
 }  // namespace mien::imu

@@ -125,6 +125,8 @@ class DriftFilter {
   /// Directions of the wearer's distribution over the sensors that are present.
   void find_directions();
   void observe(Index direction, const Vec3& up);
+  /// The present frame's measurement along one direction. `strength2`: how strongly the face moves, squared.
+  void measure(Index direction, double strength2, std::span<const double> tilt_rad2, const Vec3& up);
   void check();
 
   DriftSettings settings_;
@@ -150,7 +152,7 @@ class DriftFilter {
 
   // Of the present frame; members, so that nothing is allocated.
   Eigen::MatrixXd distribution_rad2_;
-  Eigen::VectorXd deviation_rad_, along_rad_, observation_, spread_;
+  Eigen::VectorXd deviation_rad_, along_rad_, observation_, spread_, changed_;
   std::vector<Vec3> turn_rad_;
 };
 

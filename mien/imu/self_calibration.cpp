@@ -30,7 +30,7 @@ constexpr double kMaxGesture_s = 12;
 constexpr double kWaitForShake_s = 4;
 constexpr double kNod = 10 * kRadPerDeg;  // Least amplitude of a nod, rad.
 constexpr double kVerticalShare = 0.8;
-/// Largest standard deviation of an accepted heading, rad: HeadingTracker goes on from it, and its score
+/// Largest standard deviation of an accepted heading, rad: DriftFilter goes on from it, and its score
 /// shows it. Boards without device time reach 4 to 12 degrees in their first seconds; a face that talks
 /// during the nod, 20 and more.
 constexpr double kUsefulHeading = 15 * kRadPerDeg;

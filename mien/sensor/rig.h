@@ -51,10 +51,11 @@ struct SkinMotion {
 /// Which sensors sit where: data, never constants in code. `*.toml`, see rigs/default.toml.
 struct Rig {
   std::string name;
-  std::string reference;           ///< Name of the sensor whose device time carries the frame grid.
-  std::vector<Mount> sensors;      ///< Order fixes Sample::sensor.
-  std::optional<SkinMotion> skin;  ///< Where it was measured: it tells headings (imu::SkinTurns).
-  std::string faults_toml;         ///< The file's [faults] table as text, for the simulator; opaque here.
+  std::string reference;       ///< Name of the sensor whose device time carries the frame grid.
+  std::vector<Mount> sensors;  ///< Order fixes Sample::sensor.
+  std::optional<SkinMotion>
+      skin;  ///< Where it was measured: how drift is tracked until the wearer is known (imu::DriftFilter).
+  std::string faults_toml;  ///< The file's [faults] table as text, for the simulator; opaque here.
 
   [[nodiscard]] std::optional<std::uint16_t> find(std::string_view sensor_name) const;
   /// Indices of the sensors with role "face", in order: the sensors that features are made of.

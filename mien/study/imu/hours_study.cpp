@@ -64,7 +64,6 @@ class HoursPerformance {
                    const std::vector<virt::SkinSite>& sites, const face::Face& face, Random random,
                    std::vector<HoursWay> ways)
       : request_(request),
-        rig_(rig),
         sites_(sites),
         face_sensors_(rig.face_sensors()),
         meter_(face),
@@ -191,7 +190,6 @@ class HoursPerformance {
   /// An expression counts as held from this long after it began, s.
   static constexpr double kSettledS = 2;
   const HoursRequest& request_;
-  const sensor::Rig& rig_;
   const std::vector<virt::SkinSite>& sites_;
   std::vector<std::uint16_t> face_sensors_;
   measure::Meter meter_;
