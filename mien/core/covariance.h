@@ -23,18 +23,23 @@ void update_covariance(Eigen::Matrix<double, N, N>& covariance,
   covariance = (0.5 * (covariance + covariance.transpose())).eval();
 }
 
-/// The same by one number, for large states: with `spread` = P h and `expected` = h^T P h + noise the best
-/// gain is spread / expected, for which Joseph's form is P - spread spread^T / expected: one half is computed
-/// and mirrored, so the result is symmetric to the bit. `expected` is above h^T P h by the noise, which keeps
-/// it positive.
+/// Copies the half below the diagonal to the other.
+inline void mirror_lower(Eigen::MatrixXd& matrix) {
+  for (Eigen::Index column = 1; column < matrix.cols(); ++column)
+    for (Eigen::Index row = 0; row < column; ++row) matrix(row, column) = matrix(column, row);
+}
+
+/// update_covariance() by one number, for large states: with `spread` = P h and `expected` = h^T P h + noise
+/// the best gain is spread / expected, for which Joseph's form is P - spread spread^T / expected: one half is
+/// computed and mirrored, so the result is symmetric to the bit. `expected` is above h^T P h by the noise,
+/// which keeps it positive.
 inline void update_covariance(Eigen::MatrixXd& covariance, const Eigen::VectorXd& spread, double expected) {
   for (Eigen::Index column = 0; column < covariance.cols(); ++column) {
     const double gain = spread[column] / expected;
     const Eigen::Index below = covariance.rows() - column;
     covariance.col(column).tail(below) -= gain * spread.tail(below);
   }
-  for (Eigen::Index column = 1; column < covariance.cols(); ++column)
-    for (Eigen::Index row = 0; row < column; ++row) covariance(row, column) = covariance(column, row);
+  mirror_lower(covariance);
 }
 
 /// Whether the matrix can be a covariance: finite, symmetric to the bit, no variance below zero, no

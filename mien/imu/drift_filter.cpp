@@ -50,7 +50,7 @@ DriftFilter::DriftFilter(const DriftSettings& settings, const std::optional<sens
       heading_rad_(count_),
       rate_rad_s_(count_),
       creep_rad_(count_, Vec3::Zero()),
-      learnt_s_(count_),
+      observed_s_(count_),
       present_(count_),
       directed_(count_),
       waited_s_(3 * count_),
@@ -82,7 +82,7 @@ void DriftFilter::start() {
   covariance_.setZero();
   wearer_rad2_ = people_rad2_;
   mean_rad_.setZero();
-  std::ranges::fill(learnt_s_, 0.0);
+  std::ranges::fill(observed_s_, 0.0);
   since_start_s_ = 0;
   next_ = 0;
   ear_creep_rad_.setZero();
@@ -122,16 +122,13 @@ double DriftFilter::heading_sigma_rad(std::size_t sensor) const {
 
 Mat3 DriftFilter::rotation_covariance(std::size_t sensor, const Vec3& up) const {
   // E_i's error is up e + (creep - ear's creep) to first order.
-  Eigen::MatrixXd observation = Eigen::MatrixXd::Zero(3, covariance_.rows());
-  observation.col(static_cast<Index>(sensor)) = up;
-  observation.middleCols<3>(creep(sensor)).setIdentity();
-  observation.middleCols<3>(ear()) = -Mat3::Identity();
-  return observation * covariance_ * observation.transpose();
-}
-
-void DriftFilter::mirror() {
-  for (Index column = 1; column < covariance_.cols(); ++column)
-    for (Index row = 0; row < column; ++row) covariance_(row, column) = covariance_(column, row);
+  const auto heading = static_cast<Index>(sensor);
+  const Mat3 creeps = covariance_.block<3, 3>(creep(sensor), creep(sensor)) +
+                      covariance_.block<3, 3>(ear(), ear()) - covariance_.block<3, 3>(creep(sensor), ear()) -
+                      covariance_.block<3, 3>(ear(), creep(sensor));
+  const Vec3 shared =
+      covariance_.block<3, 1>(creep(sensor), heading) - covariance_.block<3, 1>(ear(), heading);
+  return creeps + up * (covariance_(heading, heading) * up + shared).transpose() + shared * up.transpose();
 }
 
 bool DriftFilter::sound() const {
@@ -153,7 +150,7 @@ void DriftFilter::predict(double dt_s) {
   // F P F^T: headings integrate their rates. Then the process noise.
   covariance_.topRows(n) += dt_s * covariance_.middleRows(n, n);
   covariance_.leftCols(n) += dt_s * covariance_.middleCols(n, n);
-  mirror();
+  mirror_lower(covariance_);
   const double rate_rad2 = settings_.rate_walk * settings_.rate_walk * dt_s;
   covariance_.diagonal().head(n).array() += settings_.heading_walk * settings_.heading_walk * dt_s;
   covariance_.topLeftCorner(n, n).array() += settings_.common_walk * settings_.common_walk * dt_s;
@@ -189,17 +186,17 @@ void DriftFilter::learn(double dt_s) {
     const auto at = static_cast<Index>(3 * i);
     deviation_rad_.segment<3>(at).setZero();
     if (!present_[i]) continue;
-    learnt_s_[i] += dt_s;
-    if (learnt_s_[i] < settings_.mean_s)
+    observed_s_[i] += dt_s;
+    if (observed_s_[i] < settings_.mean_s)
       mean_rad_.segment<3>(at) +=
-          (dt_s / (kFirstMean_s + learnt_s_[i])) * (turn_rad_[i] - mean_rad_.segment<3>(at));
+          (dt_s / (kFirstMean_s + observed_s_[i])) * (turn_rad_[i] - mean_rad_.segment<3>(at));
     deviation_rad_.segment<3>(at) = turn_rad_[i] - mean_rad_.segment<3>(at);
   }
   for (std::size_t i = 0; i < count_; ++i)
     for (std::size_t j = 0; present_[i] && j < count_; ++j) {
       if (!present_[j]) continue;
       const auto row = static_cast<Index>(3 * i), column = static_cast<Index>(3 * j);
-      const double known_s = std::min({learnt_s_[i], learnt_s_[j], settings_.memory_s});
+      const double known_s = std::min({observed_s_[i], observed_s_[j], settings_.memory_s});
       wearer_rad2_.block<3, 3>(row, column) +=
           (dt_s / (settings_.people_s + known_s)) *
           (deviation_rad_.segment<3>(row) * deviation_rad_.segment<3>(column).transpose() -

@@ -119,7 +119,6 @@ class DriftFilter {
   [[nodiscard]] Index ear() const { return static_cast<Index>(5 * count_); }
   /// Kalman update by the scalar measurement `observation_` x + noise.
   void correct(double innovation_rad, double noise_rad2);
-  void mirror();
   /// Takes the present rotations into the wearer's mean and covariance; their deviations from the mean.
   void learn(double dt_s);
   /// Directions of the wearer's distribution over the sensors that are present.
@@ -140,7 +139,7 @@ class DriftFilter {
   Eigen::MatrixXd people_rad2_;  // Second moment of people's rotation vectors about neutral.
   Eigen::MatrixXd wearer_rad2_;  // The wearer's about their mean.
   Eigen::VectorXd mean_rad_;
-  std::vector<double> learnt_s_;  // By sensor: how long it has been present since start().
+  std::vector<double> observed_s_;  // By sensor: how long it has been present since start().
   double since_start_s_ = 0;
 
   std::vector<bool> present_, directed_;  // Sensors now, and those of the directions.

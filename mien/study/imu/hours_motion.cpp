@@ -5,9 +5,6 @@
 #include <utility>
 
 #include "mien/core/minimum_jerk.h"
-#include "mien/core/time.h"
-#include "mien/performer/encore.h"
-#include "mien/performer/head_motion.h"
 #include "mien/performer/performer.h"
 
 namespace mien::study {
@@ -25,19 +22,6 @@ face::MotionFrame between(const face::MotionFrame& from, const face::MotionFrame
   return out;
 }
 
-/// The motion over and over, until it fills a piece.
-face::Motion filled(const face::Motion& motion) {
-  performer::PrologueMotion whole{.motion = motion, .times = {}};
-  const performer::Encore encore = performer::add_encore(whole);
-  const face::MotionCurve curve(whole.motion);
-  face::Motion out{.name = motion.name, .frames = {}, .has_head = motion.has_head};
-  for (std::int64_t f = 0; to_seconds(frame_offset(f)) <= kPieceS; ++f) {
-    out.frames.push_back(encore.at(curve, to_seconds(frame_offset(f))));
-    out.frames.back().time_s = to_seconds(frame_offset(f));
-  }
-  return out;
-}
-
 }  // namespace
 
 HoursMotion::HoursMotion(performer::Block block, const performer::Style& style, const Random& root,
@@ -47,31 +31,18 @@ HoursMotion::HoursMotion(performer::Block block, const performer::Style& style, 
                                   root.fork("piece", index));
       }),
       held_(std::move(held)) {
-  begin(root);
-}
-
-HoursMotion::HoursMotion(const face::Motion& repeated, const Random& root, std::vector<HeldExpression> held)
-    : draw_([motion = filled(repeated), root](std::size_t index) {
-        return motion.has_head ? motion : performer::with_head_motion(motion, root.fork("head", index));
-      }),
-      held_(std::move(held)) {
-  begin(root);
-}
-
-void HoursMotion::begin(const Random& root) {
   performer::PrologueMotion begun =
       performer::with_prologue(draw_(0), performer::PrologueKind::brief, root.fork("prologue"));
   times_ = std::move(begun.times);
-  pieces_.push_back({.index = 0,
-                     .curve = face::MotionCurve(begun.motion),
-                     .offset_m = Vec3::Zero(),
-                     .last = begun.motion.frames.back()});
+  pieces_.push_back(
+      {.index = 0, .curve = face::MotionCurve(begun.motion), .last = begun.motion.frames.back()});
 }
 
 void HoursMotion::advance() {
   const Piece& before = pieces_.back();
   const std::size_t index = before.index + 1;
   face::Motion motion = draw_(index);
+  // The head does not jump where pieces join.
   const Vec3 offset_m = before.last.head_position_m - motion.frames.front().head_position_m;
   const face::MotionFrame from = before.last;
   const double begin_s = times_.motion_start_s + kPieceS * static_cast<double>(index);
@@ -84,8 +55,7 @@ void HoursMotion::advance() {
     }
     frame.time_s += begin_s;
   }
-  Piece next{
-      .index = index, .curve = face::MotionCurve(motion), .offset_m = offset_m, .last = motion.frames.back()};
+  Piece next{.index = index, .curve = face::MotionCurve(motion), .last = motion.frames.back()};
   if (pieces_.size() > 1) pieces_.erase(pieces_.begin());
   pieces_.push_back(std::move(next));
 }

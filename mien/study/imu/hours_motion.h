@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "mien/core/random.h"
@@ -29,11 +28,8 @@ struct HeldExpression {
 /// start. Times asked for may step back by less than a piece. Thread: one at a time.
 class HoursMotion {
  public:
-  /// `gestures`: false leaves out nod and shake (profile *lab*).
   HoursMotion(performer::Block block, const performer::Style& style, const Random& root,
               std::vector<HeldExpression> held = {});
-  /// The same of a recorded motion, repeated: each time it begins anew.
-  HoursMotion(const face::Motion& repeated, const Random& root, std::vector<HeldExpression> held = {});
 
   [[nodiscard]] const performer::PrologueTimes& prologue() const { return times_; }
   [[nodiscard]] face::MotionFrame at(double time_s);
@@ -42,14 +38,10 @@ class HoursMotion {
   struct Piece {
     std::size_t index = 0;
     face::MotionCurve curve;
-    Vec3 offset_m = Vec3::Zero();  // Of the head, so that it does not jump where pieces join.
     face::MotionFrame last;
   };
-  void begin(const Random& root);
-  [[nodiscard]] face::Motion draw(std::size_t index) const;
   /// Makes the next piece.
   void advance();
-  [[nodiscard]] face::MotionFrame piece_at(const Piece& piece, double time_s) const;
 
   std::function<face::Motion(std::size_t)> draw_;
   std::vector<HeldExpression> held_;
