@@ -147,7 +147,7 @@ TEST_F(WrongInput, EveryMistakeNamesTheWayOut) {
        {{"perform", "--seed", "-1"}, "mien: perform: --seed: -1 is no whole number from 0 on"},
        {{"study", "bound", "--seed", "-1"}, "mien: study bound: --seed: -1 is no whole number from 0 on"},
        {{"study", "live"}, "mien: study live: --out is missing"},
-       {{"study"}, "mien: study: it needs one of its commands; they are ablation, confidence, drift, "},
+       {{"study"}, "mien: study: it needs one of its commands; they are ablation, confidence, hours, "},
        {{"bench", "foo"}, "mien: bench: there is no command 'foo'; the commands are live, "},
        {{"study", "live", "--rows", "flying", "--out", "@live"}, "mien: the study has no rows 'flying'"},
        {{"study", "live", "--face", "x", "--out", "@live"},
