@@ -2,22 +2,24 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/study/hours_figures.h"
+#include "mien/core/cache_folder.h"
 #include "mien/face/profile.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/imu/hours_study.h"
+#include "mien/study/imu/hours_summary.h"
 
 namespace mien::app {
 namespace {
-
-/// Limits of the ratio that the study judges by: for nine runs of ten, and for all.
-constexpr double kMost = 1.3, kAll = 1.6;
 
 struct HoursOptions {
   study::HoursRequest request;
@@ -59,34 +61,10 @@ Result<study::HeldExpression> parse_held(const std::string& text) {
   return held;
 }
 
-Json to_json(const study::HoursErrors& errors) {
-  return {{"device", errors.device}, {"lab", errors.lab}, {"known", errors.known}, {"frozen", errors.frozen}};
-}
-
-Json to_json(const study::HoursRun& run) {
-  Json pieces = Json::array();
-  for (const study::HoursPiece& piece : run.pieces) {
-    pieces.push_back({{"begin_s", piece.begin_s},
-                      {"frames", piece.frames},
-                      {"mse", to_json(piece.mse)},
-                      {"ratio", piece.ratio},
-                      {"pve_mm", piece.pve_mm},
-                      {"lab_pve_mm", piece.lab_pve_mm},
-                      {"worst_shape", std::string(face::kShapeNames[piece.worst_shape])},
-                      {"worst_bias", piece.worst_bias},
-                      {"rotation_rms_deg", piece.rotation_rms_deg},
-                      {"nees", piece.nees},
-                      {"missing", piece.missing},
-                      {"held", Json::array()}});
-    for (const study::HoursErrors& held : piece.held) pieces.back()["held"].push_back(to_json(held));
-  }
-  return {{"script", std::string(performer::block_name(run.script))}, {"seed", run.seed}, {"pieces", pieces}};
-}
-
 void print(const study::HoursRun& run) {
-  fmt::print("\n{}, seed {}\n{:>7} {:>8} {:>8} {:>8} {:>8} {:>6} {:>8} {:>8} {:>6} {:>8}  {}\n",
-             performer::block_name(run.script), run.seed, "minute", "MSE", "lab", "known", "frozen", "ratio",
-             "PVE mm", "rotation", "NEES", "missing", "largest bias");
+  fmt::print("\n{}, seed {}\n{:>7} {:>8} {:>8} {:>8} {:>8} {:>6} {:>8} {:>8} {:>6} {:>8}  {}\n", run.script,
+             run.seed, "minute", "MSE", "lab", "known", "frozen", "ratio", "PVE mm", "rotation", "NEES",
+             "missing", "largest bias");
   for (const study::HoursPiece& piece : run.pieces) {
     fmt::print(
         "{:7.0f} {:8.4f} {:8.4f} {:8.4f} {:8.4f} {:6.2f} {:8.3f} {:7.2f}° {:6.2f} {:6.1f} %  {} {:+.2f}\n",
@@ -97,6 +75,20 @@ void print(const study::HoursRun& run) {
       fmt::print("{:>7} {:8.3f} {:8.3f} {:8.3f} {:8.3f}\n", "held", held.device, held.lab, held.known,
                  held.frozen);
   }
+}
+
+void print(const std::vector<study::HoursSummary>& summaries) {
+  fmt::print("\n{:<16} {:>4} {:>16} {:>16} {:>8} {:>8} {:>6} {:>6} {:>6} {:>13} {:>10} {:>13}  {}\n",
+             "script", "runs", "MSE first, last", "lab", "known", "frozen", "ratio", "<=1.3", "<=1.6",
+             "rotation", "NEES", "missing", "largest bias");
+  for (const study::HoursSummary& one : summaries)
+    fmt::print(
+        "{:<16} {:>4} {:7.4f}, {:7.4f} {:7.4f}, {:7.4f} {:8.4f} {:8.4f} {:6.2f} {:4.0f} % {:4.0f} % "
+        "{:5.2f}°, {:4.2f}° {:4.2f}, {:4.2f} {:4.1f} %, {:4.1f} %  {} {:+.2f}\n",
+        one.script, one.runs, one.first_mse.device, one.last_mse.device, one.first_mse.lab, one.last_mse.lab,
+        one.last_mse.known, one.last_mse.frozen, one.worst_ratio, 100 * one.within_most, 100 * one.within_all,
+        one.first_rotation_deg, one.worst_rotation_deg, one.least_nees, one.most_nees,
+        100 * one.first_missing, 100 * one.worst_missing, face::kShapeNames[one.worst_shape], one.worst_bias);
 }
 
 Result<void> run_study_hours(HoursOptions options) {
@@ -111,24 +103,33 @@ Result<void> run_study_hours(HoursOptions options) {
     MIEN_TRY_ASSIGN(options.request.held.emplace_back(), parse_held(held));
   }
   options.request.faults = !options.perfect;
-  MIEN_TRY_ASSIGN(const std::vector<study::HoursRun> runs,
-                  study::study_hours(options.request, rig, model, terminal_progress("hours")));
+  std::optional<study::HoursCache> cache;
+  if (const std::filesystem::path folder = cache_folder(); !folder.empty()) {
+    MIEN_TRY_ASSIGN(cache, hours_cache(folder / "hours", options.rig, options.model));
+  }
+  MIEN_TRY_ASSIGN(
+      const std::vector<study::HoursRun> runs,
+      study::study_hours(options.request, rig, model, terminal_progress("hours"), cache ? &*cache : nullptr));
   clear_progress();
-  const double most = study::share_within(runs, kMost), all = study::share_within(runs, kAll);
+  const double most = study::share_within(runs, study::kRatioOfMost),
+               all = study::share_within(runs, study::kRatioOfAll);
+  const std::vector<study::HoursSummary> summaries = study::summarise(runs);
   if (options.json) {
     Json out = {
-        {"model", options.model},           {"rig", rig.name},       {"minutes", options.request.minutes},
-        {"faults", options.request.faults}, {"runs", Json::array()}, {"share_within_1.3", most},
-        {"share_within_1.6", all}};
-    for (const study::HoursRun& run : runs) out["runs"].push_back(to_json(run));
+        {"model", options.model},           {"rig", rig.name},        {"minutes", options.request.minutes},
+        {"faults", options.request.faults}, {"runs", Json::array()},  {"summaries", Json::array()},
+        {"share_within_1.3", most},         {"share_within_1.6", all}};
+    for (const study::HoursRun& run : runs) out["runs"].push_back(hours_json(run));
+    for (const study::HoursSummary& summary : summaries) out["summaries"].push_back(hours_json(summary));
     print_json(out);
     return {};
   }
   fmt::print("{} performances of {:g} minutes on one calibration, model {}\n", runs.size(),
              options.request.minutes, options.model);
   for (const study::HoursRun& run : runs) print(run);
-  fmt::print("\nratio at most {} in {:.0f} % of the runs, at most {} in {:.0f} %\n", kMost, 100 * most, kAll,
-             100 * all);
+  print(summaries);
+  fmt::print("\nratio at most {} in {:.0f} % of the runs, at most {} in {:.0f} %\n", study::kRatioOfMost,
+             100 * most, study::kRatioOfAll, 100 * all);
   return {};
 }
 

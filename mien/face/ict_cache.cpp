@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 
 #include "mien/core/bytes.h"
+#include "mien/core/cache_folder.h"
 #include "mien/core/sha256.h"
 
 namespace mien::face {
@@ -97,17 +97,8 @@ std::string fingerprint(std::span<const fs::path> files) {
 }
 
 fs::path cache_path(const fs::path& folder, const IctOptions& options) {
-  fs::path base = options.cache_folder;
-  if (base.empty()) {
-    const char* cache = std::getenv("XDG_CACHE_HOME");
-    const char* home = std::getenv("HOME");
-    if (cache != nullptr && *cache == '/')
-      base = fs::path(cache) / "mien";
-    else if (home != nullptr && *home == '/')
-      base = fs::path(home) / ".cache" / "mien";
-    else
-      return {};
-  }
+  const fs::path base = options.cache_folder.empty() ? cache_folder() : options.cache_folder;
+  if (base.empty()) return {};
   // One file a folder: what the folder becomes later takes the place of what it was.
   Sha256 hash;
   const std::string path = folder.string();

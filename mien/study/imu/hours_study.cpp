@@ -248,39 +248,63 @@ Result<HoursRun> perform_hours(const HoursRequest& request, const sensor::Rig& r
     counted_s += 60;
     ++clock.minutes;
   }
-  return HoursRun{script, seed, performing.finish()};
+  return HoursRun{std::string(performer::block_name(script)), seed, performing.finish()};
+}
+
+/// Names all of the request that one run's figures depend on.
+std::string run_key(const HoursRequest& request, performer::Block script, std::uint64_t seed) {
+  std::string key = fmt::format("script {}, seed {}, minutes {}, faults {}", performer::block_name(script),
+                                seed, request.minutes, request.faults);
+  for (const HeldExpression& held : request.held)
+    key += fmt::format(", held {} at {} from {} to {} s", fmt::join(held.shapes, "+"), held.value,
+                       held.begin_s, held.end_s);
+  return key;
 }
 
 }  // namespace
 
 Result<std::vector<HoursRun>> study_hours(const HoursRequest& request, const sensor::Rig& rig,
-                                          const model::ModelFile& model, const Progress& progress) {
+                                          const model::ModelFile& model, const Progress& progress,
+                                          const HoursCache* cache) {
   if (request.scripts.empty() || request.seeds == 0 || !(request.minutes > 0))
     return fail(ErrorCode::bad_usage, "nobody performs", "hours study", "give a script, a seed and minutes");
   MIEN_TRY(tracker::CausalTracker::create(model, rig.face_sensor_names()));
-  std::vector<HoursRun> runs(request.scripts.size() * request.seeds);
+  struct Job {
+    performer::Block script;
+    std::uint64_t seed;
+    std::string key;
+  };
+  std::vector<Job> jobs;
+  for (const performer::Block script : request.scripts)
+    for (std::uint64_t seed = request.first_seed; seed < request.first_seed + request.seeds; ++seed)
+      jobs.push_back({script, seed, run_key(request, script, seed)});
+  std::vector<HoursRun> runs(jobs.size());
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    std::optional<HoursRun> known = cache != nullptr ? cache->find(jobs[i].key) : std::nullopt;
+    if (known)
+      runs[i] = std::move(*known);
+    else
+      missing.push_back(i);
+  }
   Clock clock;
-  const auto minutes = static_cast<double>(runs.size()) * request.minutes;
+  const double kept = static_cast<double>(jobs.size() - missing.size());
   const Progress watch = [&](double performers, std::string_view) {
-    const auto done = static_cast<double>(clock.minutes);
-    if (!progress(performers < 1 ? std::min(0.99, done / minutes) : 1.0,
-                  fmt::format("{:.0f} of {:.0f} minutes", done, minutes)))
+    const auto all = static_cast<double>(jobs.size());
+    const double done = kept * request.minutes + static_cast<double>(clock.minutes);
+    if (!progress(performers < 1 ? std::min(0.99, done / (all * request.minutes)) : 1.0,
+                  fmt::format("{:.0f} of {:.0f} performances, {:.0f} of {:.0f} minutes",
+                              kept + performers * static_cast<double>(missing.size()), all, done,
+                              all * request.minutes)))
       clock.stopped = true;
     return !clock.stopped;
   };
-  MIEN_TRY(for_each_performer(runs.size(), request.threads, watch, [&](std::size_t i) -> Result<void> {
-    MIEN_TRY_ASSIGN(runs[i], perform_hours(request, rig, model, request.scripts[i / request.seeds],
-                                           request.first_seed + i % request.seeds, clock));
-    return {};
+  MIEN_TRY(for_each_performer(missing.size(), request.threads, watch, [&](std::size_t i) -> Result<void> {
+    const Job& job = jobs[missing[i]];
+    MIEN_TRY_ASSIGN(runs[missing[i]], perform_hours(request, rig, model, job.script, job.seed, clock));
+    return cache != nullptr ? cache->keep(job.key, runs[missing[i]]) : Result<void>();
   }));
   return runs;
-}
-
-double share_within(const std::vector<HoursRun>& runs, double limit) {
-  const auto within = std::ranges::count_if(runs, [limit](const HoursRun& run) {
-    return std::ranges::all_of(run.pieces, [limit](const HoursPiece& piece) { return piece.ratio <= limit; });
-  });
-  return runs.empty() ? 0 : static_cast<double>(within) / static_cast<double>(runs.size());
 }
 
 }  // namespace mien::study

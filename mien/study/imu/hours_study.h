@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,20 +55,26 @@ struct HoursPiece {
 };
 
 struct HoursRun {
-  performer::Block script = performer::Block::mixed;
+  std::string script;  ///< Its name.
   std::uint64_t seed = 0;
   std::vector<HoursPiece> pieces;
 };
 
+/// Where figures of runs are kept, so that a study that was stopped goes on where it was. A key is text that
+/// names all of the request that the run's figures depend on; the rig, the model and the program are the
+/// cache's own matter. Called from several threads at once.
+struct HoursCache {
+  std::function<std::optional<HoursRun>(const std::string& key)> find;
+  std::function<Result<void>(const std::string& key, const HoursRun& run)> keep;
+};
+
 /// Performs, receives and measures hours of sessions, a second at a time: memory does not grow with their
-/// length. The same request gives the same figures on any number of threads. Errors: bad_usage (nobody, no
-/// script, no time), mismatch (a model that is not causal), those of the faults and the simulator; cancelled.
-/// Cost: a fortieth of what is performed, on one core.
+/// length. The same request gives the same figures on any number of threads. Runs that `cache` has are not
+/// performed. Errors: bad_usage (nobody, no script, no time), mismatch (a model that is not causal), those of
+/// the faults, the simulator and the cache; cancelled. Cost: a fortieth of what is performed, on one core.
 [[nodiscard]] Result<std::vector<HoursRun>> study_hours(const HoursRequest& request, const sensor::Rig& rig,
                                                         const model::ModelFile& model,
-                                                        const Progress& progress);
-
-/// Share of the runs whose every piece's ratio is at most `limit`.
-[[nodiscard]] double share_within(const std::vector<HoursRun>& runs, double limit);
+                                                        const Progress& progress,
+                                                        const HoursCache* cache = nullptr);
 
 }  // namespace mien::study

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mien/model/model_file.h"
+#include "mien/study/imu/hours_summary.h"
 #include "tests/project_path.h"
 
 namespace mien::study::hours_study_test {
