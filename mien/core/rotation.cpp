@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace mien {
 
@@ -70,7 +71,61 @@ Quat interpolate_rotation(const Quat& a, const Quat& b, const Quat& c, const Qua
                                         log_rotation(inverse * d), u, spacing));
 }
 
+namespace {
+
+/// Below this share of the cube of the largest eigenvalue, the derivative of the characteristic polynomial
+/// there says that another eigenvalue is near: points almost on a line, and mirror images.
+constexpr double kSimpleRoot = 0.01;
+
+/// The vector at right angles to three of four dimensions: their cross product.
+Eigen::Vector4d normal_to(const Eigen::Matrix<double, 3, 4>& rows) {
+  Eigen::Vector4d out;
+  for (Eigen::Index k = 0; k < 4; ++k) {
+    Mat3 others;
+    for (Eigen::Index j = 0; j < 3; ++j) others.col(j) = rows.col(j < k ? j : j + 1);
+    out[k] = k % 2 == 0 ? others.determinant() : -others.determinant();
+  }
+  return out;
+}
+
+/// Horn 1987 (doi:10.1364/JOSAA.4.000629): the rotation is the eigenvector of the largest eigenvalue of a
+/// symmetric 4 x 4 matrix. That eigenvalue by Newton's method on the characteristic polynomial, from above
+/// (Theobald 2005, doi:10.1107/S0108767305015266). None where another eigenvalue is near.
+std::optional<Quat> fit_by_quaternion(const Mat3& c) {
+  Eigen::Matrix4d horn;
+  horn << c.trace(), c(1, 2) - c(2, 1), c(2, 0) - c(0, 2), c(0, 1) - c(1, 0),  //
+      0, c(0, 0) - c(1, 1) - c(2, 2), c(0, 1) + c(1, 0), c(2, 0) + c(0, 2),    //
+      0, 0, c(1, 1) - c(0, 0) - c(2, 2), c(1, 2) + c(2, 1),                    //
+      0, 0, 0, c(2, 2) - c(0, 0) - c(1, 1);
+  horn = Eigen::Matrix4d(horn.selfadjointView<Eigen::Upper>());
+  const double c2 = -2 * c.squaredNorm(), c1 = -8 * c.determinant(), c0 = horn.determinant();
+  double largest = std::sqrt(3.0) * c.norm();  // At least the sum of the singular values.
+  double slope = 0;
+  bool converged = false;
+  for (int i = 0; i < 20 && !converged; ++i) {
+    const double square = largest * largest;
+    slope = (4 * square + 2 * c2) * largest + c1;
+    if (!(slope > kSimpleRoot * square * largest)) return std::nullopt;
+    const double step = (((square + c2) * largest + c1) * largest + c0) / slope;
+    largest -= step;
+    converged = std::abs(step) <= 1e-14 * largest;
+  }
+  if (!converged) return std::nullopt;
+  horn.diagonal().array() -= largest;
+  // The cofactors of row i are `slope` times q_i q: of some row, at least half as long as that.
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    Eigen::Matrix<double, 3, 4> rows;
+    for (Eigen::Index j = 0; j < 3; ++j) rows.row(j) = horn.row(j < i ? j : j + 1);
+    const Eigen::Vector4d q = normal_to(rows);
+    if (q.norm() > 0.4 * slope) return canonical(Quat(q[0], q[1], q[2], q[3]));
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 Quat fit_rotation(const Mat3& covariance_from_to) {
+  if (const std::optional<Quat> fitted = fit_by_quaternion(covariance_from_to)) return *fitted;
   const Eigen::JacobiSVD<Mat3> svd(covariance_from_to, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Mat3 flip = Mat3::Identity();
   if ((svd.matrixV() * svd.matrixU().transpose()).determinant() < 0) flip(2, 2) = -1;

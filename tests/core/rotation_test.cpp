@@ -154,6 +154,35 @@ TEST(Rotation, FitOfAFlatPatchIsNeverAMirror) {
   EXPECT_NEAR(fit_rotation(from, to).toRotationMatrix().determinant(), 1, 1e-12);
 }
 
+TEST(Rotation, FitIsTheOneBySingularValues) {
+  // Kabsch 1976: the closest rotation by the singular value decomposition, of patches that are flat, mirrored
+  // and noisy.
+  Random random(7);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 widths(1, random.uniform(0.1, 1), i % 3 == 0 ? 0 : random.uniform(0, 1));
+    const Vec3 mirrored(i % 5 == 0 ? -1 : 1, 1, 1);
+    const Quat turn = i % 2 == 0 ? random.rotation() : exp_rotation(0.3 * random.direction());
+    Mat3 covariance = Mat3::Zero();
+    for (int k = 0; k < 20; ++k) {
+      const Vec3 from = widths.cwiseProduct(random.direction());
+      const Vec3 to = turn * mirrored.cwiseProduct(from) + 0.02 * random.direction();
+      covariance += from * to.transpose();
+    }
+    const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Mat3 flip = Mat3::Identity();
+    flip(2, 2) = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0 ? -1 : 1;
+    const Quat best(Mat3(svd.matrixV() * flip * svd.matrixU().transpose()));
+    expect_same_rotation(fit_rotation(covariance), best, 1e-9);
+  }
+}
+
+TEST(Rotation, FitOfWhatHasNoOrientationIsARotation) {
+  // Points on a line, in one place, and a mirror image of a ball's.
+  for (const Mat3& covariance : {Mat3(Vec3(1, 2, 3) * Vec3(0, 1, 0).transpose()), Mat3(Mat3::Zero()),
+                                 Mat3(-Mat3::Identity()), Mat3(1e-200 * Mat3::Identity())})
+    EXPECT_NEAR(fit_rotation(covariance).toRotationMatrix().determinant(), 1, 1e-12) << covariance;
+}
+
 TEST(Rotation, FitIsTheBestOne) {
   Random random(6);
   const Quat truth = random.rotation();
