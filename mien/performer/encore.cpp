@@ -7,12 +7,6 @@
 #include "mien/performer/canvas.h"
 
 namespace mien::performer {
-namespace {
-
-constexpr double kReturnS = 1.0;
-
-}  // namespace
-
 face::MotionFrame Encore::at(const face::MotionCurve& motion, double time_s) const {
   const double round_s = end_s - begin_s;
   if (time_s < end_s || !(round_s > 0)) return motion.at(time_s);
@@ -47,6 +41,23 @@ Encore add_encore(PrologueMotion& motion) {
     motion.motion.frames.push_back(frame);
   }
   return {begin_s, last_s + kReturnS, position_m - first.head_position_m};
+}
+
+void repeat(PrologueMotion& motion, const Encore& encore, double duration_s) {
+  std::vector<face::MotionFrame>& frames = motion.motion.frames;
+  const auto after = [&](double time_s) {
+    return std::ranges::upper_bound(frames, time_s, {}, &face::MotionFrame::time_s) - frames.begin();
+  };
+  const std::ptrdiff_t begin = after(encore.begin_s), end = std::ssize(frames);
+  const double round_s = encore.end_s - encore.begin_s;
+  for (double rounds = 1; begin < end && encore.begin_s + rounds * round_s < duration_s; ++rounds)
+    for (std::ptrdiff_t f = begin; f < end; ++f) {
+      face::MotionFrame frame = frames[static_cast<std::size_t>(f)];
+      frame.time_s += rounds * round_s;
+      frame.head_position_m += rounds * encore.walked_m;
+      frames.push_back(frame);
+    }
+  frames.resize(static_cast<std::size_t>(after(duration_s)));
 }
 
 }  // namespace mien::performer

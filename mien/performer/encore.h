@@ -5,6 +5,9 @@
 
 namespace mien::performer {
 
+/// How long face and head take to return to the motion's first frame, s.
+inline constexpr double kReturnS = 1;
+
 /// An endless loop of a performance: after `end_s` it continues at `begin_s`. Made by add_encore(), without a
 /// discontinuity of face and head.
 struct Encore {
@@ -19,5 +22,8 @@ struct Encore {
 /// Appends a second in which face and head return to the motion's first frame (after the prologue) and
 /// walking stops, and returns the loop.
 [[nodiscard]] Encore add_encore(PrologueMotion& motion);
+
+/// Appends the rounds of an encore that begin before `duration_s`, the whole's, and cuts the last one there.
+void repeat(PrologueMotion& motion, const Encore& encore, double duration_s);
 
 }  // namespace mien::performer

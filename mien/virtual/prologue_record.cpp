@@ -42,15 +42,14 @@ std::vector<take::Event> prologue_events(const performer::PrologueTimes& times,
   return events;
 }
 
-take::TruthFrame truth_at(const face::MotionCurve& curve, double true_s, double motion_start_s,
-                          DeviceTime frame) {
-  const face::MotionFrame moment = curve.at(true_s);
+take::TruthFrame truth_of(const face::MotionFrame& moment, double true_s, double motion_start_s,
+                          double duration_s, DeviceTime frame) {
   take::TruthFrame truth;
   truth.time = frame;
   truth.weights = moment.weights;
   truth.tongue_out = moment.tongue_out;
   truth.has_face = moment.has_face;
-  truth.evaluated = true_s >= motion_start_s - kSameMomentS && true_s <= curve.duration_s() + kSameMomentS;
+  truth.evaluated = true_s >= motion_start_s - kSameMomentS && true_s <= duration_s + kSameMomentS;
   return truth;
 }
 

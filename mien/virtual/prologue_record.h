@@ -15,9 +15,9 @@ namespace mien::virt {
 [[nodiscard]] std::vector<take::Event> prologue_events(const performer::PrologueTimes& times,
                                                        const VirtualClock& reference);
 
-/// The performance at a frame's true time; evaluated from the motion's own start to its end.
-[[nodiscard]] take::TruthFrame truth_at(const face::MotionCurve& curve, double true_s, double motion_start_s,
-                                        DeviceTime frame);
+/// What is performed at a frame's true time; evaluated from the motion's own start to its last frame.
+[[nodiscard]] take::TruthFrame truth_of(const face::MotionFrame& moment, double true_s, double motion_start_s,
+                                        double duration_s, DeviceTime frame);
 
 /// Frames stand on whole nanoseconds, a motion's own times do not: nearer than this they are one moment, s.
 inline constexpr double kSameMomentS = 1e-6;

@@ -19,7 +19,7 @@ Result<Reception> Reception::create(const sensor::Rig& rig) {
 }
 
 void Reception::log(Datagram datagram, VirtualSession& session) {
-  const auto id = static_cast<std::int64_t>(session.entries.size()) + 1;
+  const std::int64_t id = ++entries_;
   constexpr sensor::Peer kOneMachine = 0;  // All stand in the log with one source.
   for (const sensor::Sample& sample :
        receiver_->receive(datagram.time, kOneMachine, datagram.bytes, datagram.payload, *this).samples)
@@ -32,8 +32,7 @@ void Reception::log_all(std::vector<Datagram> arrived, VirtualSession& session,
                         const std::function<void(const take::Tick&, const sensor::TimeLines&)>& on_tick) {
   const auto fire = [&](HostTime now) {
     while (const auto due = receiver_->due(now)) {
-      const take::Tick tick{due->index, static_cast<std::int64_t>(session.entries.size()), due->fired,
-                            due->frame};
+      const take::Tick tick{due->index, entries_, due->fired, due->frame};
       session.ticks.push_back(tick);
       on_tick(tick, receiver_->lines());
     }
@@ -52,6 +51,9 @@ Result<VirtualSession> receive_all(Sent sent, const performer::PrologueMotion& m
   const face::MotionCurve curve(motion.motion);
   const double motion_start_s = motion.times.motion_start_s;
   sort_by_time(sent.datagrams);
+  const auto truth = [&](double true_s, DeviceTime frame) {
+    return truth_of(curve.at(true_s), true_s, motion_start_s, curve.duration_s(), frame);
+  };
   VirtualSession session;
   session.events = prologue_events(motion.times, sent.reference);
   std::ranges::move(sent.events, std::back_inserter(session.events));
@@ -59,8 +61,7 @@ Result<VirtualSession> receive_all(Sent sent, const performer::PrologueMotion& m
   if (!sent.frames) {
     reception.log_all(std::move(sent.datagrams), session,
                       [&](const take::Tick& tick, const sensor::TimeLines&) {
-                        session.truth.push_back(
-                            truth_at(curve, sent.reference.true_s(tick.frame), motion_start_s, tick.frame));
+                        session.truth.push_back(truth(sent.reference.true_s(tick.frame), tick.frame));
                       });
     return session;
   }
@@ -71,7 +72,7 @@ Result<VirtualSession> receive_all(Sent sent, const performer::PrologueMotion& m
       reception.log(std::move(*next), session);
     session.ticks.push_back(
         {f, static_cast<std::int64_t>(session.entries.size()), HostTime(at), DeviceTime(at)});
-    session.truth.push_back(truth_at(curve, to_seconds(at), motion_start_s, DeviceTime(at)));
+    session.truth.push_back(truth(to_seconds(at), DeviceTime(at)));
   }
   return session;
 }

@@ -17,7 +17,8 @@
 namespace mien::virt {
 
 /// Where virtual devices' datagrams arrive: received as a live session receives them (session::Receiver), and
-/// written down as its log would be. What does not parse is logged and nothing more.
+/// written down as its log would be. What does not parse is logged and nothing more. Entries are numbered on
+/// from call to call, so a session may be taken stretch by stretch.
 class Reception final : private session::SampleConsumer {
  public:
   /// Errors: session::Receiver::create's, modalities::make_protocols'.
@@ -36,6 +37,7 @@ class Reception final : private session::SampleConsumer {
   void rebound(std::uint16_t, const sensor::DeviceKey&, bool) override {}
 
   std::unique_ptr<session::Receiver> receiver_;
+  std::int64_t entries_ = 0;
 };
 
 /// The whole performance as a session of this rig receives it. Errors: Reception::create's.

@@ -3,17 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace mien::virt {
 
-SkinTracer::SkinTracer(const face::MotionCurve& motion, const std::vector<SkinSite>& sites, double begin_s,
-                       double end_s, const std::optional<performer::Encore>& encore)
-    : motion_(motion),
+SkinTracer::SkinTracer(MotionAt motion, const std::vector<SkinSite>& sites, double begin_s, double end_s)
+    : motion_(std::move(motion)),
       sites_(sites),
       begin_s_(begin_s),
-      encore_(encore),
-      points_(encore ? std::numeric_limits<std::size_t>::max()
-                     : static_cast<std::size_t>(std::ceil((end_s - begin_s) * kTrajectoryRateHz)) + 1) {}
+      points_(std::isinf(end_s)
+                  ? std::numeric_limits<std::size_t>::max()
+                  : static_cast<std::size_t>(std::ceil((end_s - begin_s) * kTrajectoryRateHz)) + 1) {}
 
 double SkinTracer::traced_s() const {
   return begin_s_ + (static_cast<double>(next_) - 1) / kTrajectoryRateHz;
@@ -30,7 +30,7 @@ SkinTrajectory SkinTracer::next(std::size_t points) {
   out.position_m.assign(sites_.size(), std::vector<Vec3>(out.points));
   for (std::size_t i = 0; i < out.points; ++i, ++next_) {
     const double time_s = begin_s_ + static_cast<double>(next_) / kTrajectoryRateHz;
-    const face::MotionFrame frame = encore_ ? encore_->at(motion_, time_s) : motion_.at(time_s);
+    const face::MotionFrame frame = motion_(time_s);
     out.head[i] = frame.head;
     out.head_position_m[i] = frame.head_position_m;
     for (std::size_t s = 0; s < sites_.size(); ++s) {
@@ -43,7 +43,8 @@ SkinTrajectory SkinTracer::next(std::size_t points) {
 
 SkinTrajectory trace_skin(const face::MotionCurve& motion, const std::vector<SkinSite>& sites, double begin_s,
                           double end_s) {
-  return SkinTracer(motion, sites, begin_s, end_s).next(std::numeric_limits<std::size_t>::max());
+  return SkinTracer([&](double time_s) { return motion.at(time_s); }, sites, begin_s, end_s)
+      .next(std::numeric_limits<std::size_t>::max());
 }
 
 }  // namespace mien::virt

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <optional>
+#include <functional>
 #include <vector>
 
 #include "mien/face/motion.h"
-#include "mien/performer/encore.h"
 #include "mien/virtual/imu/skin_site.h"
 
 namespace mien::virt {
@@ -24,13 +23,14 @@ struct SkinTrajectory {
   std::vector<std::vector<Vec3>> position_m;  ///< Patch centroid (head frame), per site and grid point.
 };
 
-/// Traces a motion stretch by stretch, to its end or, as an encore says, for ever. Whatever the stretches'
-/// lengths, their points are the same. Lifetime: looks at the curve and the sites.
+/// Traces a motion stretch by stretch. Whatever the stretches' lengths, their points are the same. Lifetime:
+/// looks at the sites.
 class SkinTracer {
  public:
-  /// From `begin_s` to `end_s`; an encore has no end.
-  SkinTracer(const face::MotionCurve& motion, const std::vector<SkinSite>& sites, double begin_s,
-             double end_s, const std::optional<performer::Encore>& encore = std::nullopt);
+  /// The motion at a time, s; asked for in ascending order.
+  using MotionAt = std::function<face::MotionFrame(double time_s)>;
+  /// From `begin_s` to `end_s`, which may be infinite.
+  SkinTracer(MotionAt motion, const std::vector<SkinSite>& sites, double begin_s, double end_s);
 
   [[nodiscard]] bool done() const { return next_ >= points_; }
   /// True time up to which the skin has been traced, s.
@@ -39,10 +39,9 @@ class SkinTracer {
   [[nodiscard]] SkinTrajectory next(std::size_t points);
 
  private:
-  const face::MotionCurve& motion_;
+  MotionAt motion_;
   const std::vector<SkinSite>& sites_;
   double begin_s_;
-  std::optional<performer::Encore> encore_;
   std::size_t points_;
   std::size_t next_ = 0;
 };

@@ -177,7 +177,7 @@ TEST(ImuSimulator, StretchByStretchTheDeviceIsTheSame) {
   ASSERT_GT(expected.size(), 150U);
   for (const std::size_t points : {1U, 7U, 60U}) {
     ImuSimulator simulator(faults, 0, Random(5));
-    SkinTracer tracer(curve, sites, 0, motion.duration_s());
+    SkinTracer tracer([&](double time_s) { return curve.at(time_s); }, sites, 0, motion.duration_s());
     std::vector<VirtualPacket> packets;
     while (!tracer.done()) {
       const double before_s = tracer.traced_s();
