@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <functional>
-#include <map>
 #include <utility>
 
 #include "mien/imu/packets/packet.h"
@@ -37,13 +36,7 @@ Result<void> check(const DeviceTroubles& troubles) {
   return {};
 }
 
-/// One packet on its way through all that is wrong with its device.
-struct Passing {
-  double at_s = 0;  // When it is sent.
-  imu::Packet packet;
-};
-
-/// False: it is not sent.
+using Passing = PassingPacket;
 using Trouble = std::function<bool(Passing&)>;
 
 Trouble off_clock(const DeviceTroubles::Clock& clock) {
@@ -102,41 +95,46 @@ Trouble silence(const DeviceTroubles::Silence& silence) {
 
 }  // namespace
 
-Result<std::vector<Datagram>> trouble_devices(std::vector<Datagram> sent, const DeviceTroubles& troubles) {
+Result<TroubledDevices> TroubledDevices::create(const DeviceTroubles& troubles) {
   MIEN_TRY(check(troubles));
-  std::multimap<std::uint16_t, Trouble> of_sensor;
-  std::vector<Trouble> of_all;
-  for (const auto& clock : troubles.clocks) of_sensor.emplace(clock.sensor, off_clock(clock));
-  for (const auto& frozen : troubles.frozen) of_sensor.emplace(frozen.sensor, freeze(frozen));
-  for (const auto& one : troubles.restarts) of_sensor.emplace(one.sensor, restart(one));
+  TroubledDevices out;
+  for (const auto& clock : troubles.clocks) out.of_sensor_.emplace(clock.sensor, off_clock(clock));
+  for (const auto& frozen : troubles.frozen) out.of_sensor_.emplace(frozen.sensor, freeze(frozen));
+  for (const auto& one : troubles.restarts) out.of_sensor_.emplace(one.sensor, restart(one));
   for (const auto& one : troubles.silences) {
     if (one.sensor)
-      of_sensor.emplace(*one.sensor, silence(one));
+      out.of_sensor_.emplace(*one.sensor, silence(one));
     else
-      of_all.push_back(silence(one));
+      out.of_all_.push_back(silence(one));
   }
-  for (const auto& shared : troubles.shared_ids) of_sensor.emplace(shared.sensor, share_id(shared));
+  for (const auto& shared : troubles.shared_ids) out.of_sensor_.emplace(shared.sensor, share_id(shared));
+  return out;
+}
 
+Result<bool> TroubledDevices::pass(Datagram& datagram) {
+  const auto [begin, end] = of_sensor_.equal_range(datagram.source);
+  if (begin == end && of_all_.empty()) return true;
+  auto packet = imu::parse_packet(datagram.bytes);
+  if (!packet)
+    return fail(ErrorCode::bad_usage, "troubles need packets of samples: " + packet.error().what,
+                fmt::format("sensor {}", datagram.source));
+  Passing passing{to_seconds(datagram.time.time_since_epoch()), std::move(*packet)};
+  bool goes = true;
+  for (auto trouble = begin; goes && trouble != end; ++trouble) goes = trouble->second(passing);
+  for (auto trouble = of_all_.begin(); goes && trouble != of_all_.end(); ++trouble)
+    goes = (*trouble)(passing);
+  if (!goes) return false;
+  MIEN_TRY_ASSIGN(datagram.bytes, imu::encode_packet(passing.packet));
+  return true;
+}
+
+Result<std::vector<Datagram>> trouble_devices(std::vector<Datagram> sent, const DeviceTroubles& troubles) {
+  MIEN_TRY_ASSIGN(TroubledDevices devices, TroubledDevices::create(troubles));
   std::vector<Datagram> out;
   out.reserve(sent.size());
   for (Datagram& datagram : sent) {
-    const auto [begin, end] = of_sensor.equal_range(datagram.source);
-    if (begin == end && of_all.empty()) {
-      out.push_back(std::move(datagram));
-      continue;
-    }
-    auto packet = imu::parse_packet(datagram.bytes);
-    if (!packet)
-      return fail(ErrorCode::bad_usage, "troubles need packets of samples: " + packet.error().what,
-                  fmt::format("sensor {}", datagram.source));
-    Passing passing{to_seconds(datagram.time.time_since_epoch()), std::move(*packet)};
-    bool goes = true;
-    for (auto trouble = begin; goes && trouble != end; ++trouble) goes = trouble->second(passing);
-    for (auto trouble = of_all.begin(); goes && trouble != of_all.end(); ++trouble)
-      goes = (*trouble)(passing);
-    if (!goes) continue;
-    MIEN_TRY_ASSIGN(datagram.bytes, imu::encode_packet(passing.packet));
-    out.push_back(std::move(datagram));
+    MIEN_TRY_ASSIGN(const bool goes, devices.pass(datagram));
+    if (goes) out.push_back(std::move(datagram));
   }
   return out;
 }

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
 #include <vector>
 
 #include "mien/core/error.h"
 #include "mien/core/time.h"
+#include "mien/imu/packets/packet.h"
 #include "mien/virtual/network.h"
 
 namespace mien::virt {
@@ -49,6 +52,27 @@ struct DeviceTroubles {
   std::vector<Restart> restarts;
   std::vector<Silence> silences;
   std::vector<SharedId> shared_ids;
+};
+
+/// One packet on its way through all that is wrong with its device.
+struct PassingPacket {
+  double at_s = 0;  ///< When it is sent.
+  imu::Packet packet;
+};
+
+/// Devices in trouble, datagram by datagram.
+class TroubledDevices {
+ public:
+  /// Errors: out_of_range (a trouble).
+  [[nodiscard]] static Result<TroubledDevices> create(const DeviceTroubles& troubles);
+  /// What a node sends instead of this; false: nothing. Called in each source's order of sending;
+  /// Datagram::source is the sensor. Errors: bad_usage (a datagram that is no packet of samples).
+  [[nodiscard]] Result<bool> pass(Datagram& datagram);
+
+ private:
+  using Trouble = std::function<bool(PassingPacket&)>;
+  std::multimap<std::uint16_t, Trouble> of_sensor_;
+  std::vector<Trouble> of_all_;
 };
 
 /// What the nodes send instead: the packets taken apart and made anew. Shape: `sent` in each source's order

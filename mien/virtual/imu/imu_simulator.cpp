@@ -61,8 +61,9 @@ void ImuSimulator::follow_skin(const SkinTrajectory& next) {
     track_.turned = track_.turned * exp_rotation(follow * log_rotation(track_.turned.conjugate() * skin));
     track_.moved += follow * (next.position_m[site_][i] - track_.moved);
     track_.slip_rad += slip_.normal_vector(slip_step_rad);
-    track_.orientation.push_back(next.head[i] * track_.turned * exp_rotation(track_.slip_rad) * mount_);
-    track_.position_m.push_back(next.head_position_m[i] + next.head[i] * track_.moved);
+    track_.orientation.push_back(world_ *
+                                 (next.head[i] * track_.turned * exp_rotation(track_.slip_rad) * mount_));
+    track_.position_m.push_back(world_ * (next.head_position_m[i] + next.head[i] * track_.moved));
   }
 }
 

@@ -37,6 +37,9 @@ class ImuSimulator {
   [[nodiscard]] const Vec3& creep_rad() const { return track_.slip_rad; }
   /// The sensor is pushed aside on its skin, from the next stretch on: adds this to the creep, rad.
   void push(const Vec3& turn_rad) { track_.slip_rad += turn_rad; }
+  /// The world is turned about the vertical for this sensor, from the next stretch on, rad: what integrates
+  /// its rates and has not felt that has a heading that is off by so much.
+  void turn_world(double angle_rad) { world_ = exp_rotation({0, angle_rad, 0}) * world_; }
 
   /// The packets that the skin's next stretch completes, also those that are lost, in the order in which they
   /// are sent. Stretches follow one another without a gap from the trajectory's beginning; in whatever
@@ -60,6 +63,7 @@ class ImuSimulator {
   std::uint16_t site_;
   VirtualClock clock_;
   Quat mount_;  // q_skin_sensor.
+  Quat world_ = Quat::Identity();
   double lag_s_ = 0;
   Vec3 gyro_bias_rad_s_ = Vec3::Zero();
   Vec3 gyro_scale_ = Vec3::Ones();
