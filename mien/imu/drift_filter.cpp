@@ -33,6 +33,18 @@ constexpr double kAnywhereRad2 = 0.5;
 constexpr std::size_t kLooksAtLost = 4;
 /// Variance that marks a missing sensor's axes among the directions, rad^2: above any face's.
 constexpr double kMissingRad2 = 100;
+/// A rest beyond this is what the states do not allow: normalised innovation squared of three axes (a chance
+/// of one in a thousand).
+constexpr double kRestGate2 = 16.3;
+/// A rest is taken into the states in so many steps, each about the states after the last: rotations of 40
+/// degrees are beyond one linearisation.
+constexpr int kRestSteps = 8;
+/// The heading of a sensor that sits elsewhere is off by this share of what is to be seen of it: its board
+/// went on integrating while it was moved, so most of the turn is the skin's to creep.
+constexpr double kHeadingShare = 0.5;
+/// A median of fewer sensors does not tell the ear sensor from them.
+constexpr std::size_t kLeastForEar = 3;
+
 /// Standard deviation of a heading after a fault of the filter, rad (10 deg).
 constexpr double kAnewSigmaRad = 0.17;
 
@@ -308,6 +320,104 @@ void DriftFilter::measure(Index direction, double strength2, std::span<const dou
   const double correlation_s =
       std::min(settings_.correlation_s, settings_.first_correlation_s + kCorrelationGrowth * since_start_s_);
   correct(innovation_rad, noise_rad2 * correlation_s / waited_s);
+}
+
+void DriftFilter::observe_axis(std::size_t sensor, Index axis, const Vec3& turn_rad, const Vec3& up) {
+  observation_.setZero();
+  // As in observe().
+  const Vec3 sideways = turn_rad.cross(up);
+  observation_[static_cast<Index>(sensor)] =
+      up[axis] - 0.5 * sideways[axis] + turn_rad.cross(sideways)[axis] / 12;
+  observation_[creep(sensor) + axis] = 1;
+  observation_[ear() + axis] = -1;
+}
+
+void DriftFilter::expect_moved(std::size_t sensor, const Vec3& turn_rad, const Vec3& up) {
+  const double about_up_rad = kHeadingShare * turn_rad.dot(up);
+  covariance_(static_cast<Index>(sensor), static_cast<Index>(sensor)) += about_up_rad * about_up_rad;
+  covariance_.diagonal().segment<3>(creep(sensor)).array() += turn_rad.squaredNorm();
+  // What was learnt of its skin since is of another place, and its mean where that was not known yet.
+  const auto at = static_cast<Index>(3 * sensor);
+  wearer_rad2_.middleRows<3>(at).setZero();
+  wearer_rad2_.middleCols<3>(at).setZero();
+  wearer_rad2_.block<3, 3>(at, at) = people_rad2_.block<3, 3>(at, at);
+  changed_s_ = directions_s_ = kLatest_s;
+  if (observed_s_[sensor] >= settings_.mean_s) return;
+  observed_s_[sensor] = 0;
+  mean_rad_.segment<3>(at).setZero();
+}
+
+void DriftFilter::correct_ear_by_rest(std::span<const Vec3> turn_rad, std::span<const Resting> resting,
+                                      const Vec3& up) {
+  if (resting.size() < kLeastForEar) return;
+  Vec3 median_rad;
+  std::vector<double> axis_rad(turn_rad.size());
+  for (Index axis = 0; axis < 3; ++axis) {
+    for (std::size_t k = 0; k < turn_rad.size(); ++k) axis_rad[k] = turn_rad[k][axis];
+    const auto middle = axis_rad.begin() + static_cast<std::ptrdiff_t>(axis_rad.size() / 2);
+    std::ranges::nth_element(axis_rad, middle);
+    median_rad[axis] = *middle;
+  }
+  // The mean of all sensors, by the median that one of them does not move.
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(3, covariance_.cols());
+  for (const Resting& one : resting)
+    for (Index axis = 0; axis < 3; ++axis) {
+      observe_axis(one.sensor, axis, median_rad, up);
+      mean.row(axis) += observation_.transpose() / static_cast<double>(resting.size());
+    }
+  const double noise_rad2 = resting.front().sigma_rad * resting.front().sigma_rad;
+  const Mat3 expected_rad2 = mean * covariance_ * mean.transpose() + noise_rad2 * Mat3::Identity();
+  if (median_rad.dot(expected_rad2.ldlt().solve(median_rad)) < kRestGate2) return;
+  covariance_.diagonal().segment<3>(ear()).array() += median_rad.squaredNorm();
+  const double about_up_rad = kHeadingShare * median_rad.dot(up);
+  const auto n = static_cast<Index>(count_);
+  covariance_.topLeftCorner(n, n).array() += about_up_rad * about_up_rad;
+  changed_.setZero();
+  for (Index axis = 0; axis < 3; ++axis) {
+    observation_ = mean.row(axis).transpose();
+    correct(median_rad[axis] - observation_.dot(changed_), noise_rad2);
+  }
+}
+
+void DriftFilter::observe_rest(std::span<const std::optional<Vec3>> turn_rad,
+                               std::span<const double> sigma_rad, const Vec3& up) {
+  // At rest nothing is held.
+  std::vector<Resting> resting;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (!turn_rad[i]) continue;
+    resting.push_back(
+        {i, sigma_rad[i], exp_rotation(*turn_rad[i]), heading_rad_[i], exp_rotation(creep_rad_[i])});
+    if (covariance_(static_cast<Index>(i), static_cast<Index>(i)) < kAnywhereRad2) continue;
+    // The heading that brings it nearest to neutral, whatever it was.
+    const Quat& turn = resting.back().turn;
+    heading_rad_[i] = wrapped(heading_rad_[i] - 2 * std::atan2(turn.vec().dot(up), turn.w()));
+  }
+  const Quat ear_before = exp_rotation(-ear_creep_rad_);
+  std::vector<Vec3> left_rad(resting.size());
+  const auto left = [&](const Resting& one) {
+    const double turned_rad = wrapped(heading_rad_[one.sensor] - one.heading_rad);
+    return log_rotation(exp_rotation(ear_creep_rad_) * ear_before * exp_rotation(turned_rad * up) * one.turn *
+                        one.creep * exp_rotation(-creep_rad_[one.sensor]));
+  };
+  std::ranges::transform(resting, left_rad.begin(), left);
+  correct_ear_by_rest(left_rad, resting, up);
+  for (const Resting& one : resting) {
+    const Vec3 off_rad = left(one);
+    const Mat3 expected_rad2 =
+        rotation_covariance(one.sensor, up) + one.sigma_rad * one.sigma_rad * Mat3::Identity();
+    if (off_rad.dot(expected_rad2.ldlt().solve(off_rad)) >= kRestGate2) expect_moved(one.sensor, off_rad, up);
+  }
+  // In the limit of small rotations the steps are one measurement of `sigma_rad`.
+  for (int step = 0; step < kRestSteps; ++step)
+    for (const Resting& one : resting) {
+      const Vec3 off_rad = left(one);
+      changed_.setZero();
+      for (Index axis = 0; axis < 3; ++axis) {
+        observe_axis(one.sensor, axis, off_rad, up);
+        correct(off_rad[axis] - observation_.dot(changed_), kRestSteps * one.sigma_rad * one.sigma_rad);
+      }
+    }
+  check();
 }
 
 }  // namespace mien::imu

@@ -98,6 +98,15 @@ class DriftFilter {
   void add_skin(double dt_s, std::span<const std::optional<Vec3>> turn_rad, std::span<const double> tilt_rad2,
                 const Vec3& up);
 
+  /// The face at rest, as at the calibration: E_i is the identity but for what drifts. Shape: an entry a face
+  /// sensor. `turn_rad`: the mean of E_i over the rest by the present states, frame H, rad; none where it was
+  /// not measured. `sigma_rad`: how far a resting face and the measurement are from neutral, an axis. `up`:
+  /// as of add_skin(), mean. A person has asked for it, so that no prior outweighs it: where a rotation is
+  /// beyond what the states allow, as of a sensor that was put on again, they are made as uncertain as it is
+  /// large. Allocates.
+  void observe_rest(std::span<const std::optional<Vec3>> turn_rad, std::span<const double> sigma_rad,
+                    const Vec3& up);
+
   /// Z_i's angle now, (-pi, pi], and its standard deviation, at most pi.
   [[nodiscard]] double heading_rad(std::size_t sensor) const { return heading_rad_[sensor]; }
   [[nodiscard]] double heading_sigma_rad(std::size_t sensor) const;
@@ -126,6 +135,20 @@ class DriftFilter {
   void observe(Index direction, const Vec3& up);
   /// The present frame's measurement along one direction. `strength2`: how strongly the face moves, squared.
   void measure(Index direction, double strength2, std::span<const double> tilt_rad2, const Vec3& up);
+  /// A sensor's part in observe_rest(), with the states before it.
+  struct Resting {
+    std::size_t sensor;
+    double sigma_rad;
+    Quat turn;
+    double heading_rad;
+    Quat creep;
+  };
+  /// Sets `observation_` for one axis of E_i, which is `turn_rad` now.
+  void observe_axis(std::size_t sensor, Index axis, const Vec3& turn_rad, const Vec3& up);
+  /// Where most sensors are off alike the ear sensor has moved: its creep is corrected by their median.
+  void correct_ear_by_rest(std::span<const Vec3> turn_rad, std::span<const Resting> resting, const Vec3& up);
+  /// Sensor and wearer's distribution after the sensor was found to sit elsewhere by `turn_rad`.
+  void expect_moved(std::size_t sensor, const Vec3& turn_rad, const Vec3& up);
   void check();
 
   DriftSettings settings_;
