@@ -37,6 +37,13 @@ export interface CalibrationStatus {
   /** Which step this is, from 1, and of how many; 0 where the session does not say. */
   stepNumber: number;
   steps: number;
+  /** Since the calibration in force was made, and since the re-centring after it, s; null without one. */
+  ageS: number | null;
+  recentredS: number | null;
+  /** How well the sensors' rotations are known, degrees; null where nothing drifts. */
+  sigmaDeg: number | null;
+  /** Re-centring would gain. */
+  advisesRecentring: boolean;
   versions: CalibrationVersion[];
 }
 
@@ -91,6 +98,10 @@ export function readCalibration(fields: Fields): CalibrationStatus {
     remainingS: numberOrNull(fields["remaining_s"]),
     stepNumber: Math.max(0, Math.round(number(fields["step_number"]))),
     steps: Math.min(64, Math.max(0, Math.round(number(fields["steps"])))),
+    ageS: numberOrNull(fields["age_s"]),
+    recentredS: numberOrNull(fields["recentred_s"]),
+    sigmaDeg: numberOrNull(fields["sigma_deg"]),
+    advisesRecentring: fields["advises_recentring"] === true,
     versions: list(fields["versions"], readVersion),
   };
 }

@@ -41,6 +41,13 @@ export function ago(seconds: number): string {
   return `${Math.round(seconds / 3600)} h ago`;
 }
 
+/** How long ago, to the minute: "40 s ago", "12 min ago", "1 h 12 min ago". */
+export function agoToTheMinute(seconds: number): string {
+  if (seconds < 3570) return ago(seconds);
+  const minutes = Math.round(seconds / 60);
+  return minutes % 60 === 0 ? `${minutes / 60} h ago` : `${Math.floor(minutes / 60)} h ${minutes % 60} min ago`;
+}
+
 /** "zygomaticus_upper_L" reads better as "zygomaticus upper L". */
 export function sensorLabel(name: string): string {
   return name.replaceAll("_", " ");

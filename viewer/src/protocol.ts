@@ -91,6 +91,10 @@ export interface Link {
   uncertaintyMs: number | null;
   battery: number | null;
   headingSigmaDeg: number | null;
+  /** How well its rotation is known, degrees; null where it is not there, or nothing drifts. */
+  rotationSigmaDeg: number | null;
+  /** It is too uncertain: frames are answered without it. */
+  leftOut: boolean;
   /** How much it gets of what it is there for, 0 to 1; null for kinds that have no such number. */
   level: number | null;
   estimated: boolean;
@@ -364,6 +368,8 @@ function readLink(one: Fields): Link {
     uncertaintyMs: numberOrNull(one["uncertainty_ms"]),
     battery: numberOrNull(one["battery"]),
     headingSigmaDeg: numberOrNull(one["heading_sigma_deg"]),
+    rotationSigmaDeg: numberOrNull(one["rotation_sigma_deg"]),
+    leftOut: one["left_out"] === true,
     level: numberOrNull(one["level"]) === null ? null : share(one["level"]),
     estimated: one["estimated"] === true,
     view: readView(one["view"]),

@@ -114,6 +114,8 @@ class MockSession {
   silent = false;
   /** By how much frames are held for late packets, ms. */
   holdMs = 0;
+  /** How well rotations are known, degrees; above 5 re-centring is advised, which brings it to 2. */
+  sigmaDeg = 2.1;
   /** While set, a calibration that has reached this step stays there, half way through. */
   holdAt = "";
 
@@ -280,6 +282,7 @@ class MockSession {
         reordered: 0, malformed: 0, loss: !heard ? null : state === "lost" ? 1 : state === "lossy" ? 0.12 + 0.02 * this.random() : 0.003 * this.random(),
         offset_ms: heard ? 3187.4 * (i + 1) + 0.2 * this.random() : null, drift_ppm: heard ? 18 * Math.sin(3 * i) : null, uncertainty_ms: heard ? 0.3 + 0.2 * this.random() : null,
         battery: heard && kind === "imu" ? 92 - ((7 * i) % 60) : null, heading_sigma_deg: heard && kind === "imu" ? 1.4 + 0.3 * (i % 4) : null,
+        rotation_sigma_deg: heard && kind === "imu" ? 1.6 + 0.3 * (i % 4) : null, left_out: false,
         view: this.views[sensor] ?? null,
         level: kind === "speech" ? this.voice.level : kind === "eyewear" && heard ? 0.15 + 0.5 * (0.5 + 0.5 * Math.sin(1.3 * t + i)) : null, estimated: false,
       };
@@ -294,6 +297,7 @@ class MockSession {
         state: this.calibration.state, step: this.calibration.step, prompt: this.calibration.prompt, target: step?.target ?? null, look: step?.look ?? null,
         progress: run ? Math.min(1, this.calibration.stepSeconds / step.seconds) : 0, remaining_s: run ? Math.max(0, step.seconds - this.calibration.stepSeconds) : 0,
         step_number: run ? run.at + 1 : 0, steps: run ? run.steps.length : 0, versions: this.versions,
+        ...this.certainty(t),
       },
       prompts: this.prompts?.status() ?? null, dataset: this.dataset.state, video: this.video.status(),
       sinks: this.sinks.map((sink) => ({ ...sink, rate_hz: sink.on ? 60 : 0 })),
@@ -302,6 +306,16 @@ class MockSession {
       shaping: this.shaping, hearing: this.voice.hearing, replay: this.replay, pictures: this.cameras.status, tap: this.tap ? { sensor: this.tap } : null,
       cover: this.cover.sensor || this.cover.trouble ? this.cover : null,
       network: this.network,
+    };
+  }
+
+  certainty(t) {
+    const inForce = this.versions.findIndex((one) => one.in_force);
+    const until = this.versions.slice(0, inForce + 1).reverse();
+    const made = until.find((one) => one.origin !== "recentre"), recentred = until[0]?.origin === "recentre" ? until[0] : undefined;
+    return {
+      age_s: made ? t - made.time : null, recentred_s: recentred ? t - recentred.time : null, sigma_deg: this.sigmaDeg,
+      advises_recentring: this.sigmaDeg > 5, drift_faults: 0,
     };
   }
 
@@ -347,6 +361,7 @@ class MockSession {
         for (const version of this.versions) version.in_force = version.id === command.version;
         return null;
       case "recentre":
+        this.sigmaDeg = 2;
         for (const version of this.versions) version.in_force = false;
         this.versions.push({ ...this.version(this.versions.length + 1, "recentre", 0, 0.15), in_force: true });
         return null;

@@ -242,9 +242,18 @@ test("calibration: guided to its scores, compared, undone, re-centred", { timeou
   await page.getByRole("button", { name: "Use this" }).last().click();
   await obeyed("use_calibration", (command) => command.version === 1);
   await settled(page, () => document.querySelector(".version.in-force strong")?.textContent.startsWith("1."), "version 1 in force");
+  const advice = page.locator(".calibration-panel .advice");
+  assert.equal(await advice.isVisible(), false);
+  mock.session.sigmaDeg = 6.3;
+  await advice.waitFor({ state: "visible" });
+  assert.match(await page.locator(".calibration-panel .summary").innerText(), /^Calibrated .* ago, rotations known to 6\.3°\.$/);
+  assert.equal(await page.locator(".action-bar .advised").count(), 1);
   await page.locator(".calibration-panel").getByRole("button", { name: "Re-centre" }).click();
   await obeyed("recentre");
   await settled(page, () => document.querySelector(".version.in-force strong")?.textContent.includes("Re-centred"), "the re-centred version");
+  await advice.waitFor({ state: "hidden" });
+  assert.match(await page.locator(".calibration-panel .summary").innerText(), /^Calibrated .*, re-centred .*, rotations known to 2\.0°\.$/);
+  assert.equal(await page.locator(".action-bar .advised").count(), 0);
 
   mock.session.holdAt = "neutral";
   await page.keyboard.press("c");

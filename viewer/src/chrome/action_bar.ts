@@ -31,6 +31,9 @@ export class ActionBar {
       setText(recordText, on ? clock(status?.recording.seconds ?? 0) + (ends == null ? "" : ` of ${clock(ends)}`) : "Record");
       calibrate.disabled = status?.calibration.state === "running" || status?.replay != null;
       recentre.disabled = status?.replay != null;
+      const advised = !recentre.disabled && status?.calibration.state === "done" && status.calibration.advisesRecentring;
+      recentre.classList.toggle("advised", advised);
+      setAttribute(recentre, "title", advised ? "Your sensors have drifted. Relax your face and press Space." : null);
     });
     const enable = () => {
       for (const button of [record, calibrate, recentre]) button.classList.toggle("away", !session.connected);

@@ -1,9 +1,9 @@
 /** Calibrations: beginning one, the versions so far, two of them compared, and an earlier one put back in force. */
 import type { Actions } from "../actions";
-import type { CalibrationVersion, Score } from "../calibration_protocol";
+import type { CalibrationStatus, CalibrationVersion, Score } from "../calibration_protocol";
 import { seesAnEye } from "../camera_words";
 import { h, KeyedList, setHidden, setText } from "../dom";
-import { ago, fixed } from "../format";
+import { ago, agoToTheMinute, fixed } from "../format";
 import type { Status } from "../protocol";
 import type { Session } from "../session";
 import { PhoneLessonSection } from "./phone_lesson";
@@ -19,6 +19,7 @@ const ORIGINS: Readonly<Record<string, string>> = {
 export class CalibrationPanel {
   readonly element = h("div", { class: "panel calibration-panel" });
   private readonly sentence = h("p", { class: "summary" });
+  private readonly advice = h("p", { class: "advice", hidden: true, text: "Your sensors have drifted. Relax your face and press Space." });
   private readonly list = h("ul", { class: "versions" });
   private readonly empty = h("p", { class: "quiet", text: "None yet." });
   private readonly comparison = h("section", { class: "comparison", hidden: true });
@@ -39,10 +40,11 @@ export class CalibrationPanel {
     this.begin = [short, full, wearer, gaze];
     this.element.append(
       this.sentence,
+      this.advice,
       h("div", { class: "button-row" }, short, full, wearer, gaze, recentre),
       h("p", {
         class: "quiet",
-        text: "Calibrate: hold still, nod, shake your head. With expressions: then also a few faces to make, and each is told how well it was seen. Learn my skin: then a minute of other faces, and sensors on the skin are read as yours from then on. Where I look, with a headset: five points to look at, said aloud. Re-centre: the face you have now is neutral again.",
+        text: "Calibrate: hold still, nod, shake your head. With expressions: then also a few faces to make, and each is told how well it was seen. Learn my skin: then a minute of other faces, and sensors on the skin are read as yours from then on. Where I look, with a headset: five points to look at, said aloud. Re-centre: relax for three seconds and a half; what your sensors drifted by is taken out, and the face you have now is neutral again.",
       }),
       new PhoneLessonSection(session, actions).element,
       h("h3", { text: "Versions" }),
@@ -58,15 +60,15 @@ export class CalibrationPanel {
   private update(status: Status | null): void {
     if (!status) return;
     const { calibration } = status;
-    const inForce = calibration.versions.find((one) => one.inForce);
     const sentences: Record<typeof calibration.state, string> = {
       none: "Not calibrated: the face stays neutral until it is.",
       watching: calibration.prompt || "Not calibrated yet. Hold still, nod and shake your head: the session is watching for them.",
       running: calibration.prompt,
-      done: inForce ? `Calibrated ${when(inForce, status)}.` : "Calibrated.",
+      done: ageSentence(calibration),
       failed: calibration.prompt || "The calibration failed. Try again, more slowly.",
     };
     setText(this.sentence, sentences[calibration.state]);
+    setHidden(this.advice, calibration.state !== "done" || !calibration.advisesRecentring);
     for (const button of this.begin) button.disabled = calibration.state === "running";
     const newestFirst = [...calibration.versions].reverse();
     this.versions.update(newestFirst);
@@ -187,6 +189,15 @@ export function scoreItems(scores: readonly Score[]): HTMLElement[] {
       h("span", {}, score.sentence || score.name, score.value === null ? "" : h("span", { class: "quiet", text: ` ${fixed(score.value, 1)} ${score.unit}` })),
     ),
   );
+}
+
+/** "Calibrated 1 h 12 min ago, re-centred 3 min ago, rotations known to 2.1°." */
+export function ageSentence(calibration: CalibrationStatus): string {
+  const parts = ["Calibrated"];
+  if (calibration.ageS !== null) parts[0] += ` ${agoToTheMinute(calibration.ageS)}`;
+  if (calibration.recentredS !== null) parts.push(`re-centred ${agoToTheMinute(calibration.recentredS)}`);
+  if (calibration.sigmaDeg !== null) parts.push(`rotations known to ${fixed(calibration.sigmaDeg, 1)}°`);
+  return `${parts.join(", ")}.`;
 }
 
 function when(version: CalibrationVersion, status: Status): string {

@@ -306,7 +306,11 @@ class UnboundRow {
 /** A camera's heading is the headset's own. */
 function headingFact(link: Link, camera: boolean): [string, string][] {
   if (camera) return [];
-  return [["Heading known to", link.headingSigmaDeg === null ? "–" : `±${fixed(link.headingSigmaDeg, 1)}°`]];
+  const known = (degrees: number | null) => (degrees === null ? "–" : `±${fixed(degrees, 1)}°`);
+  return [
+    ["Heading known to", known(link.headingSigmaDeg)],
+    ["Rotation known to", known(link.rotationSigmaDeg) + (link.leftOut ? ", left out" : "")],
+  ];
 }
 
 function capital(text: string): string {

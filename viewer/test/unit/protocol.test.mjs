@@ -120,8 +120,8 @@ test("who sends as a sensor is read, and nobody without an address", () => {
 test("a status is read", () => {
   const message = read({
     type: "status", time: 3, frames: 180, missed: 1, latency_ms: { p50: 7, p99: 12, max: 20 }, hold_ms: 45,
-    links: [{ sensor: "mentalis", device: "d", state: "lossy", age_ms: 3, rate_hz: 239.8, loss: 0.1, battery: null, heading_sigma_deg: 2 }],
-    calibration: { state: "running", step: "anchor", prompt: "Smile.", target: { mouthSmile_L: 1 }, progress: 0.5, remaining_s: 1.5, step_number: 4, steps: 8, versions: [] },
+    links: [{ sensor: "mentalis", device: "d", state: "lossy", age_ms: 3, rate_hz: 239.8, loss: 0.1, battery: null, heading_sigma_deg: 2, rotation_sigma_deg: 3.5, left_out: true }],
+    calibration: { state: "running", age_s: 4320, recentred_s: null, sigma_deg: 5.5, advises_recentring: true, step: "anchor", prompt: "Smile.", target: { mouthSmile_L: 1 }, progress: 0.5, remaining_s: 1.5, step_number: 4, steps: 8, versions: [] },
     sinks: [{ id: 2, address: "vmc://h:1", on: true, rate_hz: 60, receivers: null }], shaping: { smoothing: 0.4, gains: { jawOpen: 1.2, nonsense: 3 }, limits: {} },
     replay: null, tap: { sensor: "mentalis" },
   });
@@ -131,6 +131,10 @@ test("a status is read", () => {
   assert.deepEqual(message.links[0].rivals, []);
   assert.equal(message.calibration.target[SHAPES.indexOf("mouthSmile_L")], 1);
   assert.equal(message.calibration.steps, 8);
+  const { ageS, recentredS, sigmaDeg, advisesRecentring } = message.calibration;
+  assert.deepEqual([ageS, recentredS, sigmaDeg, advisesRecentring], [4320, null, 5.5, true]);
+  assert.deepEqual([message.links[0].rotationSigmaDeg, message.links[0].leftOut], [3.5, true]);
+  assert.equal(read({ type: "status" }).calibration.advisesRecentring, false);
   assert.equal(message.sinks[0].id, 2);
   assert.deepEqual([...message.shaping.gains], [["jawOpen", 1.2]]);
   assert.equal(message.tap, "mentalis");

@@ -2,12 +2,13 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { load } from "./load.mjs";
 
-const { ago, clock, fixed, milliseconds, percentage } = await load("format.ts");
+const { ago, agoToTheMinute, clock, fixed, milliseconds, percentage } = await load("format.ts");
 const { countLetters, letterOf, standingOf } = await load("provenance.ts");
 const { healthOf, HEALTH_STATES } = await load("health.ts");
 const { sessionWord } = await load("chrome/session_word.ts");
 const { linkFigures, linkSummary } = await load("panels/link_words.ts");
 const { sameSubject, subjectOf } = await load("chrome/notices.ts");
+const { ageSentence } = await load("panels/calibration.ts");
 const { growingTake, takeFacts } = await load("panels/takes.ts");
 const { standingSentence } = await load("chrome/standing_words.ts");
 
@@ -25,8 +26,20 @@ test("numbers read as a person says them", () => {
   assert.equal(clock(-1), "0:00");
   assert.equal(ago(2), "just now");
   assert.equal(ago(185), "3 min ago");
+  assert.equal(agoToTheMinute(40), "40 s ago");
+  assert.equal(agoToTheMinute(3560), "59 min ago");
+  assert.equal(agoToTheMinute(3575), "1 h ago");
+  assert.equal(agoToTheMinute(4320), "1 h 12 min ago");
   assert.equal(fixed(null, 1), "–");
   assert.equal(fixed(Infinity, 1), "–");
+});
+
+test("a calibration says how old and how sure it is", () => {
+  const sentence = (ageS, recentredS, sigmaDeg) => ageSentence({ ageS, recentredS, sigmaDeg });
+  assert.equal(sentence(4320, null, 2.14), "Calibrated 1 h 12 min ago, rotations known to 2.1°.");
+  assert.equal(sentence(4320, 180, 1), "Calibrated 1 h 12 min ago, re-centred 3 min ago, rotations known to 1.0°.");
+  assert.equal(sentence(2, null, null), "Calibrated just now.");
+  assert.equal(sentence(null, null, null), "Calibrated.");
 });
 
 test("a face is live while anything of it is", () => {
