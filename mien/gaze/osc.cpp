@@ -81,6 +81,7 @@ Result<void> read_message(std::span<const std::byte> bytes, OscListener& listene
   if (!message.address.starts_with('/')) return fail(ErrorCode::malformed, "no address", kOsc);
   MIEN_TRY_ASSIGN(const std::string_view tags, read_text(reader, bytes));
   if (!tags.starts_with(',')) return fail(ErrorCode::malformed, "no type tags", kOsc);
+  message.types = tags.substr(1);
   message.numeric = true;
   for (const char tag : tags.substr(1)) {
     if (const auto number = read_number(tag, reader)) {

@@ -22,6 +22,7 @@ struct OscMessage {
   std::array<double, kMostNumbers> numbers{};  ///< Its first arguments, where all are numbers.
   std::size_t count = 0;                       ///< How many arguments it has.
   bool numeric = false;                        ///< All arguments are numbers (i, f, h, d).
+  std::string_view types;                      ///< Their type tags, without the comma.
 };
 
 /// What is told of all that a datagram holds, message after message, in order.

@@ -1,12 +1,16 @@
 #include "mien/imu/imu_tracker.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace mien::imu {
 namespace {
 
 using tracker::Step;
+
+/// A blink is over, and a breath's sway averages out; whoever relaxes for longer begins to speak.
+constexpr Duration kRest = std::chrono::seconds(2);
 
 Phase to_phase(Step step) {
   switch (step) {
@@ -65,6 +69,7 @@ tracker::TickResult ImuTracker::tick(DeviceTime frame, const sensor::TimeLines& 
   const auto report = [&](Event::Kind kind) { result.calibration.push_back({kind, modality(), {}}); };
 
   const CalibrationChange change = pipeline_.tick(frame, lines, features_);
+  result.rested = pipeline_.rested();
   if (change.kind != CalibrationChange::Kind::none) {
     report(change.kind == CalibrationChange::Kind::judged ? Event::Kind::judged : Event::Kind::calibrated);
     for (const FoundPhase& found : change.found)
@@ -104,6 +109,14 @@ tracker::TickResult ImuTracker::tick(DeviceTime frame, const sensor::TimeLines& 
   result.sensors_present = present;
   if (const tracker::Explained* explained = model_->explained()) result.explained = *explained;
   return result;
+}
+
+Duration ImuTracker::wants_rest() const {
+  return pipeline_.follows_drift() ? kRest : Duration::zero();
+}
+
+void ImuTracker::rest(DeviceTime begin, DeviceTime end) {
+  pipeline_.rest(begin, end);
 }
 
 tracker::Guidance ImuTracker::guidance() const {
@@ -256,6 +269,19 @@ std::optional<double> ImuTracker::heading_sigma_rad(std::uint16_t sensor) const 
       !calibration.sensors[static_cast<std::size_t>(place - face_.begin())].valid)
     return std::nullopt;
   return pipeline_.status(sensor).heading_sigma_rad;
+}
+
+std::optional<tracker::SensorCertainty> ImuTracker::certainty(std::uint16_t sensor) const {
+  if (!pipeline_.follows_drift()) return std::nullopt;
+  const SensorStatus status = pipeline_.status(sensor);
+  if (!status.present) return std::nullopt;
+  return tracker::SensorCertainty{.sigma_rad = std::sqrt(std::max(0.0, status.drift_rad2.trace()) +
+                                                         status.tilt_sigma_rad * status.tilt_sigma_rad),
+                                  .left_out = status.left_out};
+}
+
+std::uint64_t ImuTracker::faults() const {
+  return face_.empty() ? 0 : pipeline_.status(face_.front()).faults;
 }
 
 }  // namespace mien::imu

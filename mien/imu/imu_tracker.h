@@ -31,12 +31,16 @@ class ImuTracker final : public tracker::Tracker {
   void guide_range(DeviceTime begin, DeviceTime end) override;
   void guide_expression(const tracker::PromptedExpression& asked) override;
   void cancel_guidance() override;
+  [[nodiscard]] Duration wants_rest() const override;
+  void rest(DeviceTime begin, DeviceTime end) override;
   [[nodiscard]] tracker::CalibrationState calibration_state() const override;
   [[nodiscard]] std::string calibration() const override;
   [[nodiscard]] std::vector<sensor::Score> scores() const override;
   [[nodiscard]] Result<void> restore(std::string_view json) override;
   [[nodiscard]] Result<void> correct(const model::Correction& correction) override;
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t sensor) const override;
+  [[nodiscard]] std::optional<tracker::SensorCertainty> certainty(std::uint16_t sensor) const override;
+  [[nodiscard]] std::uint64_t faults() const override;
 
  private:
   /// What is known of the wearer, in force.

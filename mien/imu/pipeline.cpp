@@ -41,6 +41,7 @@ void Pipeline::forget(std::uint16_t sensor) {
     s.calibration.sensors[i].valid = false;
     s.tilt_rad2[i] = 0;
     s.implausible_s[i] = 0;
+    s.rest_measurement.forget(i);
     if (i < s.before_marks.sensors.size()) s.before_marks.sensors[i].valid = false;
   }
   if (!s.calibration.complete) s.watch.forget();  // A hold across the exchange is invalid.
@@ -60,6 +61,7 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
 
   std::optional<FusedSample> ear;
   if (s.head) ear = s.pose(*s.head, frame);
+  const bool resting = s.follow_rest(frame);
   if (!s.windows.empty()) s.run_prologue(frame, ear);
   if (s.self_calibrating()) s.watch_for_calibration(frame, ear);
   const bool bridged = s.head && !ear;
@@ -125,13 +127,19 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
     const Quat relative = s.relative(i, ear->orientation);
     if (const auto nod = s.nods[i].add(dt_s, relative, ear->orientation,
                                        relative * pose->rate_rad_s - ear->rate_rad_s, ear->rate_rad_s))
-      s.drift.add_nod(i, *nod);
+      if (!resting) s.drift.add_nod(i, *nod);
   }
-  if (head_known && followed && !bridged) s.measure_skin(dt_s, ear->orientation);
+  if (head_known && followed && !bridged) s.measure_turns(ear->orientation);
+  if (resting && head_known && !bridged)
+    s.rest_measurement.add(s.turns_rad, s.last_up);
+  else if (resting)
+    s.rest_measurement.pass();
+  else if (head_known && followed && !bridged)
+    s.drift.add_skin(dt_s, s.turns_rad, s.tilt_rad2, s.last_up);
 
   for (std::size_t i = 0; i < s.face.size(); ++i) {
     const std::optional<FusedSample>& pose = s.poses[i];
-    if (!pose || (followed && s.rotation_sigma_rad(i) > s.settings.unsure_rad)) continue;
+    if (!pose || s.is_unsure(i)) continue;
     model::SensorFeature& feature = out.sensors[i];
     const Quat relative = s.relative(i, ear->orientation);
     put_rotation(c * relative * s.neutral(i).conjugate() * c.conjugate(), feature);
@@ -146,6 +154,18 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
   }
   s.lines = nullptr;
   return std::exchange(s.change, {});
+}
+
+void Pipeline::rest(DeviceTime begin, DeviceTime end) {
+  if (end > begin && state_->follows_drift()) state_->rest = RestWindow{begin, end};
+}
+
+bool Pipeline::follows_drift() const {
+  return state_->follows_drift();
+}
+
+const std::optional<tracker::RestOutcome>& Pipeline::rested() const {
+  return state_->rested;
 }
 
 const Calibration& Pipeline::calibration() const {
@@ -176,6 +196,8 @@ SensorStatus Pipeline::status(std::uint16_t sensor) const {
     status.heading_sigma_rad = s.drift.heading_sigma_rad(i);
     status.tilt_sigma_rad = std::sqrt(s.tilt_rad2[i]);
     status.drift_rad2 = s.drift.rotation_covariance(i, s.last_up);
+    status.present = i < s.poses.size() && s.poses[i].has_value();
+    status.left_out = status.present && s.is_unsure(i);
     status.faults = s.drift.faults();
   }
   return status;

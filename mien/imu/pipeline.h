@@ -11,11 +11,13 @@
 #include "mien/imu/drift_filter.h"
 #include "mien/imu/fusion.h"
 #include "mien/imu/nod_watch.h"
+#include "mien/imu/rest_measurement.h"
 #include "mien/imu/self_calibration.h"
 #include "mien/model/features.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/sample.h"
+#include "mien/tracker/tracker.h"
 
 namespace mien::imu {
 
@@ -51,6 +53,7 @@ struct PipelineSettings {
   FusionSettings fusion;
   DriftSettings drift;
   NodSettings nod;
+  RestSettings rest;
   /// Fuse the magnetometer where samples carry one. True: all headings are magnetic, Z_i is the identity, and
   /// no heading is tracked. False: headings are relative, from nods (a magnetometer near electronics is off
   /// by 5 deg).
@@ -91,6 +94,8 @@ struct SensorStatus {
   double tilt_sigma_rad = 0;     ///< Of its tilt after gaps, until gravity has corrected it.
   /// Covariance of the error that heading and creep leave in E_i, frame H, rad^2; zero for the ear sensor.
   Mat3 drift_rad2 = Mat3::Zero();
+  bool present = false;       ///< A calibrated face sensor that had a rotation at the last tick, ...
+  bool left_out = false;      ///< ... which was not given, since it is too uncertain (unsure_rad).
   std::uint64_t dropped = 0;  ///< Samples that arrived twice, or too late to be put in their place.
   std::uint64_t lost = 0;     ///< Samples that never arrived, by gaps in device time.
   /// How often the drift filter had to begin anew for a covariance that was none: a defect of this program.
@@ -113,6 +118,15 @@ class Pipeline {
   void mark(Phase phase, DeviceTime begin, DeviceTime end);
   /// Cancels guidance: the calibration in force before the first mark is restored.
   void cancel_marks();
+  /// The performer rests on the frames [begin, end), as in the calibration's neutral: the first tick at or
+  /// after `end` corrects headings and creep by it, before its features. Given before the tick of `begin`;
+  /// replaces a rest that has not ended. A calibration that is put in force meanwhile cancels it. Nods and
+  /// skin correct nothing during a rest.
+  void rest(DeviceTime begin, DeviceTime end);
+  /// Whether a rest corrects anything: a calibration is in force, and its drift is followed.
+  [[nodiscard]] bool follows_drift() const;
+  /// What the last tick's end of a rest came to; none at any other tick.
+  [[nodiscard]] const std::optional<tracker::RestOutcome>& rested() const;
 
   /// A decoded sample as it arrives, in the log's order. One that was overtaken is integrated in its place,
   /// as if it had come in time, where fewer than 56 have come that are newer. Ignored: samples of unknown

@@ -17,6 +17,7 @@ void Pipeline::State::put_in_force(const Calibration& made) {
   change.kind = CalibrationChange::Kind::calibrated;
   changed_by_marks = true;
   watched = false;
+  rest.reset();
   drift.start();
   for (std::size_t i = 0; i < face.size(); ++i)
     move_heading(i, made.sensors[i].heading_rad, made.sensors[i].heading_sigma_rad);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "mien/imu/pipeline_state.h"
 
@@ -21,7 +22,7 @@ Quat Pipeline::State::relative(std::size_t i, const Quat& q_world_ear) const {
   return q_world_ear.conjugate() * turn_of(i) * poses[i]->orientation;
 }
 
-void Pipeline::State::measure_skin(double dt_s, const Quat& q_world_ear) {
+void Pipeline::State::measure_turns(const Quat& q_world_ear) {
   const Quat c = q_head_ear();
   for (std::size_t i = 0; i < face.size(); ++i) {
     turns_rad[i].reset();
@@ -29,7 +30,38 @@ void Pipeline::State::measure_skin(double dt_s, const Quat& q_world_ear) {
       turns_rad[i] = log_rotation(c * relative(i, q_world_ear) * neutral(i).conjugate() * c.conjugate());
   }
   last_up = c * (q_world_ear.conjugate() * Vec3::UnitY());
-  drift.add_skin(dt_s, turns_rad, tilt_rad2, last_up);
+}
+
+bool Pipeline::State::follow_rest(DeviceTime frame) {
+  rested.reset();
+  if (!rest || frame < rest->begin) return false;
+  if (frame < rest->end) {
+    if (!std::exchange(rest->begun, true)) rest_measurement.begin();
+    return true;
+  }
+  if (rest->begun) conclude_rest();
+  rest.reset();
+  return false;
+}
+
+void Pipeline::State::conclude_rest() {
+  if (!follows_drift()) return;
+  tracker::RestOutcome& outcome = rested.emplace();
+  std::vector<std::optional<Vec3>> still_rad(face.size());
+  std::vector<double> sigma_rad(face.size());
+  for (std::size_t i = 0; i < face.size(); ++i) {
+    sigma_rad[i] = std::sqrt(settings.rest.sigma_rad * settings.rest.sigma_rad + tilt_rad2[i]);
+    const std::optional<Vec3> turn_rad = rest_measurement.turn_rad(i);
+    if (!turn_rad || !calibration.sensors[i].valid) {
+      outcome.absent.push_back(face[i]);
+    } else if (rest_measurement.scatter_rad(i) > settings.rest.moved_rad) {
+      outcome.moved.push_back(face[i]);
+    } else {
+      outcome.corrected.push_back(face[i]);
+      still_rad[i] = turn_rad;
+    }
+  }
+  if (!outcome.corrected.empty()) drift.observe_rest(still_rad, sigma_rad, rest_measurement.up());
 }
 
 // A restarted board has a new heading but sits where it sat: the heading that brings its skin nearest to
@@ -84,6 +116,7 @@ void Pipeline::State::realign_head(DeviceTime frame, const FusedSample& ear) {
   const double turned = std::atan2(sine, cosine);
   drift.turn_all(turned, kRealignedSigma_rad);
   for (NodWatch& nod : nods) nod.interrupt();
+  rest_measurement.begin();
   // The head keeps its last yaw.
   const Vec3 ahead = ear.orientation * (calibration.q_head_ear.conjugate() * Vec3::UnitZ());
   const Vec3 faced = last_head * Vec3::UnitZ();

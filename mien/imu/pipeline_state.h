@@ -11,6 +11,7 @@
 #include "mien/imu/nod_watch.h"
 #include "mien/imu/pipeline.h"
 #include "mien/imu/prologue.h"
+#include "mien/imu/rest_measurement.h"
 #include "mien/imu/self_calibration.h"
 #include "mien/imu/sensor_channel.h"
 #include "mien/sensor/clock_model.h"
@@ -27,6 +28,13 @@ struct PhaseWindow {
   bool begun = false;
 };
 
+/// A rest that a person asked for, [begin, end) on the reference sensor's clock.
+struct RestWindow {
+  DeviceTime begin;
+  DeviceTime end;
+  bool begun = false;
+};
+
 /// The pipeline's state and steps; internal to pipeline*.cpp. Symbols: docs/reference/frames.md.
 struct Pipeline::State {
   State(const sensor::Rig& rig, const PipelineSettings& s)
@@ -38,6 +46,7 @@ struct Pipeline::State {
         watch(rig),
         drift(s.drift, rig.skin, rig.face_sensor_names()),
         nods(face.size(), NodWatch(s.nod)),
+        rest_measurement(face.size()),
         turns_rad(face.size()),
         tilt_rad2(face.size()),
         implausible_s(face.size()),
@@ -79,8 +88,14 @@ struct Pipeline::State {
   void judge(const Calibration& made);
   /// Appends a phase found by self-calibration to `change`.
   void add_found(Phase phase);
-  /// The drift filter's measurement of skin; after all poses of the frame.
-  void measure_skin(double dt_s, const Quat& q_world_ear);
+  [[nodiscard]] bool follows_drift() const {
+    return settings.track_heading && !settings.magnetometer && calibration.complete;
+  }
+  /// Whether the frame belongs to a rest. At the end of one drift is corrected.
+  bool follow_rest(DeviceTime frame);
+  void conclude_rest();
+  /// E_i of all poses of the frame, into `turns_rad`, and the vertical.
+  void measure_turns(const Quat& q_world_ear);
   /// P_i of the frame; the pose is present.
   [[nodiscard]] Quat relative(std::size_t i, const Quat& q_world_ear) const;
   /// C with the ear sensor's creep since the calibration.
@@ -97,6 +112,7 @@ struct Pipeline::State {
   void move_heading(std::size_t i, double heading_rad, double sigma_rad) {
     drift.move_to(i, heading_rad, sigma_rad);
     nods[i].interrupt();
+    rest_measurement.forget(i);
   }
   [[nodiscard]] bool self_calibrating() const {
     return settings.calibrates_itself && windows.empty() &&
@@ -115,6 +131,10 @@ struct Pipeline::State {
   /// Standard deviation of a sensor's rotation: heading and tilt, root sum of squares.
   [[nodiscard]] double rotation_sigma_rad(std::size_t i) const {
     return std::hypot(drift.heading_sigma_rad(i), std::sqrt(tilt_rad2[i]));
+  }
+  /// Whether the sensor is left out for its uncertainty.
+  [[nodiscard]] bool is_unsure(std::size_t i) const {
+    return follows_drift() && rotation_sigma_rad(i) > settings.unsure_rad;
   }
   /// Z_i.
   [[nodiscard]] Quat turn_of(std::size_t i) const {
@@ -137,7 +157,10 @@ struct Pipeline::State {
   bool changed_by_marks = false;      // ... and whether it has been replaced since.
   Quat last_head = Quat::Identity();  // Of the last frame that had one.
   DriftFilter drift;
-  std::vector<NodWatch> nods;                  // One a face sensor.
+  std::vector<NodWatch> nods;  // One a face sensor.
+  std::optional<RestWindow> rest;
+  RestMeasurement rest_measurement;
+  std::optional<tracker::RestOutcome> rested;  // Of the current frame.
   std::vector<std::optional<Vec3>> turns_rad;  // E_i of the frame, by face sensor.
   // By face sensor: variance of its tilt after gaps, decaying with the inclination correction.
   std::vector<double> tilt_rad2;

@@ -64,6 +64,9 @@ json link_json(const session::Report::Link& link, const std::string& sensor) {
               {"heading_sigma_deg", link.heading_sigma_rad
                                         ? json(rounded(*link.heading_sigma_rad * 180 / std::numbers::pi))
                                         : json(nullptr)},
+              {"rotation_sigma_deg",
+               link.certainty ? json(rounded(kDegPerRad * link.certainty->sigma_rad)) : json(nullptr)},
+              {"left_out", link.certainty && link.certainty->left_out},
               {"level", link.level ? json(std::round(*link.level * 1e3) / 1e3) : json(nullptr)},
               {"estimated", health.estimated},
               {"view", view_json(link.view)}};
@@ -225,7 +228,16 @@ json calibration_json(const session::Report::Calibration& calibration) {
   if (calibration.look_rad)
     look = {{"yaw_deg", rounded(kDegPerRad * double{calibration.look_rad->x()})},
             {"pitch_deg", rounded(kDegPerRad * double{calibration.look_rad->y()})}};
+  const auto number = [](const std::optional<double>& value) {
+    return value ? json(rounded(*value)) : json(nullptr);
+  };
   return {{"state", calibration.state},
+          {"age_s", number(calibration.age_s)},
+          {"recentred_s", number(calibration.recentred_s)},
+          {"sigma_deg",
+           calibration.sigma_rad ? json(rounded(kDegPerRad * *calibration.sigma_rad)) : json(nullptr)},
+          {"advises_recentring", calibration.advises_recentring},
+          {"drift_faults", calibration.faults},
           {"step", calibration.step},
           {"prompt", calibration.prompt},
           {"target", std::move(target)},
@@ -235,6 +247,15 @@ json calibration_json(const session::Report::Calibration& calibration) {
           {"step_number", calibration.step_number},
           {"steps", calibration.steps},
           {"versions", std::move(versions)}};
+}
+
+/// The names in a list of an event's details: "mentalis, buccinator_L"; empty where there are none.
+std::string names_text(const json& details, const char* key) {
+  std::string all;
+  if (!details.is_object() || !details.contains(key) || !details[key].is_array()) return all;
+  for (const json& name : details[key])
+    if (name.is_string()) all += (all.empty() ? "" : ", ") + name.get<std::string>();
+  return all;
 }
 
 std::string dump(const json& object) {
@@ -361,6 +382,11 @@ std::string event_text(const take::Event& event) {
                ? details[key].get<std::string>()
                : std::string();
   };
+  const auto number = [&](const char* key) {
+    return details.is_object() && details.contains(key) && details[key].is_number()
+               ? details[key].get<double>()
+               : 0.0;
+  };
   if (event.kind == "bind") {
     const bool anew = details.is_object() && details.value("anew", false);
     return text("sensor") + " is now device " + text("device") +
@@ -372,6 +398,26 @@ std::string event_text(const take::Event& event) {
                        text("sensor"), text("accepted"), text("other"));
   if (event.kind == "calibration_failed") return "not calibrated: " + text("why");
   if (event.kind == "recentre_failed") return "not re-centred: " + text("why");
+  if (event.kind == "recentre")
+    return text("source").empty() ? std::string()
+                                  : "re-centring, as " + text("source") + " asks by OSC: relax your face";
+  if (event.kind == "rested") {
+    const std::string moved = names_text(details, "moved");
+    return moved.empty()
+               ? std::string()
+               : "the face moved at " + moved +
+                     " while it should rest, so drift was not corrected there; relax it and re-centre again";
+  }
+  if (event.kind == "recentre_advised") {
+    const std::string left_out = names_text(details, "left_out");
+    return (left_out.empty() ? fmt::format("rotations are known to {:.1f} degrees only", number("sigma_deg"))
+                             : "left out for their uncertainty: " + left_out) +
+           "; relax your face and press Space on the page, or mien calibrate recentre";
+  }
+  if (event.kind == "drift_fault")
+    return "the estimate of drift was faulty and began anew, which is a defect of this program; relax your "
+           "face "
+           "and press Space on the page, or mien calibrate recentre";
   if (event.kind != "calibrated") return {};
   const std::string origin = text("origin");
   if (origin == "self") {

@@ -29,6 +29,7 @@
 #include "mien/imu/packets/slimevr.h"
 #include "mien/imu/packets/slimevr_protocol.h"
 #include "mien/mocap/marker_protocol.h"
+#include "mien/modalities/osc_commands.h"
 #include "mien/model/linear.h"
 #include "mien/model/model_file.h"
 #include "mien/phone/ifacialmocap_protocol.h"
@@ -373,6 +374,8 @@ Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys) {
   // Markers are truth, no sensors of a rig. Their packets begin as nodes' do, so they are asked about first;
   // no key seals them.
   languages.push_back({std::make_unique<mocap::MarkerProtocol>(), Language::Sealing::never});
+  // Gaze takes all other OSC.
+  languages.push_back({std::make_unique<OscCommands>(), Language::Sealing::never});
   for (const Modality& modality : kModalities) MIEN_TRY(modality.add_languages(session, languages));
   Protocols protocols;
   Protocols inside;

@@ -53,6 +53,7 @@ void Inbox::clear() {
   pulses.clear();
   alive.reset();
   no_face.reset();
+  recentre = false;
   reply.clear();
   opened.clear();
 }

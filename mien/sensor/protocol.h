@@ -64,6 +64,8 @@ struct Inbox {
   std::optional<DeviceKey> alive;  ///< A device that said nothing but that it is there.
   /// A device that says that it sees no face now, whether it repeats what it told last or tells nothing.
   std::optional<DeviceKey> no_face;
+  /// Its sender asks the session to re-centre.
+  bool recentre = false;
   std::vector<std::byte> reply;  ///< One datagram for the sender; empty: none.
   /// What a sealed datagram held; empty where it was not sealed. A log keeps this instead of the datagram
   /// (and nothing of refused ones), so that a replay needs no key.
@@ -85,9 +87,9 @@ enum class Verdict : std::uint8_t {
 using Peer = std::uint32_t;
 
 /// A language that devices speak: datagrams in, readings out, and what must be said back. What receive() puts
-/// into the inbox's readings, announcements, batteries, pulses and no_face is a pure function of the
-/// datagrams received so far and their arrivals: live and replay decode alike. What is malformed or refused
-/// must leave no trace in it, since no log keeps that. Thread: one at a time.
+/// into the inbox's readings, announcements, batteries, pulses, no_face and recentre is a pure function of
+/// the datagrams received so far and their arrivals: live and replay decode alike. What is malformed or
+/// refused must leave no trace in it, since no log keeps that. Thread: one at a time.
 class Protocol {
  public:
   virtual ~Protocol() = default;

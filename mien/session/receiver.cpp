@@ -466,6 +466,7 @@ Receiver::Received Receiver::decode(HostTime arrival, Sender sender, std::size_t
       known.alive = arrival;
       if (known.sensor) links_[*known.sensor].health.add_alive(arrival);
     }
+  if (inbox_.recentre) consumer.asked_to_recentre(arrival, sender.source);
   out.samples = samples_;
   if (!inbox_.opened.empty()) out.log = inbox_.opened;
   out.reply = inbox_.reply;

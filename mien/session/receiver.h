@@ -51,6 +51,9 @@ class SampleConsumer {
   /// the call.
   virtual void contested([[maybe_unused]] std::uint16_t sensor, [[maybe_unused]] std::string_view accepted,
                          [[maybe_unused]] std::string_view other) {}
+  /// The sender of a datagram asks the session to re-centre. Source text, valid during the call.
+  virtual void asked_to_recentre([[maybe_unused]] HostTime arrival,
+                                 [[maybe_unused]] std::string_view source) {}
 };
 
 /// What became of a sensor's link.

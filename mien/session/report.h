@@ -41,6 +41,7 @@ struct Report {
     std::vector<Rival> rivals;  ///< Of the last ten seconds, at most four.
     sensor::LinkReport health;
     std::optional<double> heading_sigma_rad;
+    std::optional<tracker::SensorCertainty> certainty;
     std::optional<double> level;              ///< As sensor::level() has it, of the newest sample.
     std::optional<sensor::PictureView> view;  ///< Of a camera.
   };
@@ -70,6 +71,13 @@ struct Report {
     double progress = 0;  ///< Of the step, 0 to 1.
     double remaining_s = 0;
     std::int64_t in_force = 0;
+    /// Since the calibration in force was made, s, and since the re-centring after it; none without one.
+    std::optional<double> age_s, recentred_s;
+    /// How well the sensors' rotations are known: standard deviation of the angle's error, RMS over the
+    /// sensors that are there, rad; none where nothing drifts.
+    std::optional<double> sigma_rad;
+    bool advises_recentring = false;           ///< It would gain (DriftWatch).
+    std::uint64_t faults = 0;                  ///< As tracker::Tracker::faults().
     std::vector<CalibrationVersion> versions;  ///< Without their JSON.
   };
 

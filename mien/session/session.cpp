@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "mien/core/excerpt.h"
+#include "mien/core/units.h"
 #include "mien/sensor/rig_part.h"
 
 namespace mien::session {
@@ -23,6 +24,12 @@ const char* const kSession = "session";
 constexpr Duration kShakeFollows = std::chrono::seconds(20);
 /// Calibrations of one session.
 constexpr std::size_t kMaxVersions = 256;
+/// A datagram can ask for no re-centring sooner after another, and for so many: a stranger's must leave room
+/// for the versions of who sits at the page.
+constexpr Duration kAskedEvery = std::chrono::seconds(5);
+constexpr std::size_t kMostAsked = 128;
+/// Frames between looks at how certain rotations are: a second.
+constexpr std::uint64_t kDriftEvery = 60;
 
 std::string quoted(std::string_view key, std::string_view value) {
   return nlohmann::json({{std::string(key), std::string(value)}}).dump();
@@ -44,6 +51,7 @@ Session::Session(Parts parts, std::unique_ptr<Receiver> receiver)
       reshape_(std::move(parts.reshape)),
       prompt_watch_(receiver_->rig()),
       bound_at_(receiver_->rig().sensors.size()),
+      certainties_(receiver_->rig().sensors.size()),
       hears_(!sensor::sensors_of(receiver_->rig(), shaping::Merge::kListening).empty()) {
   receiver_->listen_to_sound(parts.shaping.merge.audio);
 }
@@ -85,6 +93,18 @@ void Session::contested(std::uint16_t sensor, std::string_view accepted, std::st
                 .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
+void Session::asked_to_recentre(HostTime arrival, std::string_view source) {
+  if (asked_at_ && arrival - *asked_at_ < kAskedEvery) return;
+  asked_at_ = arrival;
+  // Who follows a calibration's steps goes on.
+  if (guide_.running() || asked_ == kMostAsked || !check_versions()) return;
+  ++asked_;
+  recentre();
+  add_event("recentre", newest_frame_, newest_frame_,
+            nlohmann::json({{"source", std::string(source)}})
+                .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
 void Session::leave_guide(std::string_view why) {
   guide_.cancel();
   tracker_->cancel_guidance();
@@ -103,8 +123,10 @@ void Session::forget(std::uint16_t sensor) {
 const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   newest_frame_ = frame;
   guide_.before(frame, *tracker_);
+  begin_rest(frame);
   tracker::TickResult tracked = tracker_->tick(frame, receiver_->lines(), frame_);
   sensors_present_ = tracked.sensors_present;
+  follow_rest(frame, tracked.rested);
   shaper_.apply(frame_, tracked.sensors_present, tracked.explained ? &*tracked.explained : nullptr);
   hearing_ = tracked.hearing.value_or(tracker::TickResult::Hearing{});
   if (std::ranges::count(frame_.provenance, face::Provenance::audio) > 0) ++heard_frames_;
@@ -135,6 +157,7 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   }
   follow_recentring(frame);
   if (!guided) follow_calibration(frame, tracked.calibration);
+  if (frames_ % kDriftEvery == 0) watch_drift(frame);
   watch_links(frame, fired);
   follow_prompts(frame);
   ++frames_;
@@ -165,16 +188,56 @@ void Session::follow_prompts(DeviceTime frame) {
   add_event("prompt", shown->begin, shown->end, prompt_event_json(shown->prompt, poor_));
 }
 
+void Session::begin_rest(DeviceTime frame) {
+  if (rest_ <= Duration::zero() || rest_end_) return;
+  rest_end_ = frame + rest_;
+  tracker_->rest(frame, *rest_end_);
+}
+
+void Session::follow_rest(DeviceTime frame, const std::optional<tracker::RestOutcome>& rested) {
+  if (rested) {
+    const auto names = [this](const std::vector<std::uint16_t>& sensors) {
+      std::vector<std::string> out;
+      for (const std::uint16_t sensor : sensors) out.push_back(rig().sensors[sensor].name);
+      return out;
+    };
+    add_event("rested", rest_end_.value_or(frame) - rest_, frame,
+              nlohmann::json({{"corrected", names(rested->corrected)},
+                              {"moved", names(rested->moved)},
+                              {"absent", names(rested->absent)}})
+                  .dump());
+  }
+  if (!rest_end_ || frame < *rest_end_) return;
+  rest_ = Duration::zero();
+  rest_end_.reset();
+  shaper_.recentre();
+}
+
 void Session::follow_recentring(DeviceTime frame) {
   using Centring = shaping::Recentre::State;
   const Centring state = shaper_.recentring().state();
-  if (!recentring_ || (state != Centring::done && state != Centring::failed)) return;
+  if (!recentring_ || rest_ > Duration::zero() || (state != Centring::done && state != Centring::failed))
+    return;
   recentring_ = false;
   if (state == Centring::done)
     add_version(frame, "recentre", {});
   else
     add_event("recentre_failed", frame, frame,
               quoted("why", in_force_ == 0 ? "nothing is calibrated yet" : "no sensor sent anything"));
+}
+
+void Session::watch_drift(DeviceTime frame) {
+  for (std::uint16_t i = 0; i < certainties_.size(); ++i) certainties_[i] = tracker_->certainty(i);
+  if (const auto advice = drift_watch_.add(frame, certainties_)) {
+    std::vector<std::string> left_out;
+    for (const std::uint16_t sensor : advice->left_out) left_out.push_back(rig().sensors[sensor].name);
+    add_event("recentre_advised", frame, frame,
+              nlohmann::json({{"sigma_deg", kDegPerRad * advice->sigma_rad}, {"left_out", left_out}}).dump());
+  }
+  if (const std::uint64_t faults = tracker_->faults(); faults != faults_) {
+    faults_ = faults;
+    add_event("drift_fault", frame, frame, nlohmann::json({{"count", faults}}).dump());
+  }
 }
 
 void Session::follow_guided(std::span<const tracker::CalibrationEvent> events) {
@@ -214,6 +277,7 @@ void Session::add_version(DeviceTime frame, std::string_view origin, std::vector
   version.resting = shaping::write_resting_face(shaper_.resting().learnt());
   version.scores = std::move(scores);
   in_force_ = version.id;
+  drift_watch_.reset();
   const auto failed = std::ranges::count(version.scores, false, &sensor::Score::pass);
   add_event(
       "calibrated", frame, frame,
@@ -273,6 +337,7 @@ Result<void> Session::use_version(std::int64_t id) {
   shaper_.use_centre(centre);
   shaper_.use_resting(resting);
   in_force_ = id;
+  drift_watch_.reset();
   // What it knows of boards that sat elsewhere then does not hold of those that sit there now.
   for (std::uint16_t i = 0; i < bound_at_.size(); ++i)
     if (bound_at_[i] > found->made) forget(i);
@@ -301,10 +366,16 @@ Result<void> Session::execute(const RestoreCalibration& command) {
 
 Result<void> Session::execute(const Recentre&) {
   MIEN_TRY(check_versions());
-  shaper_.recentre();
-  recentring_ = true;
+  recentre();
   add_event("recentre", newest_frame_, newest_frame_);
   return {};
+}
+
+void Session::recentre() {
+  recentring_ = true;
+  rest_ = tracker_->wants_rest();
+  rest_end_.reset();
+  if (rest_ == Duration::zero()) shaper_.recentre();
 }
 
 Result<void> Session::execute(const Bind& command) {
@@ -434,12 +505,32 @@ void Session::report_prompts(Report::Prompts& out) const {
   out.left_s = to_seconds(place.left);
 }
 
+void Session::report_certainty(Report::Calibration& out) const {
+  out.age_s.reset();
+  out.recentred_s.reset();
+  // A re-centring is of the calibration before it.
+  for (auto id = static_cast<std::size_t>(in_force_); id > 0; --id) {
+    const CalibrationVersion& version = versions_[id - 1];
+    const double age_s = to_seconds(newest_frame_ - version.made);
+    if (version.origin != "recentre") {
+      out.age_s = age_s;
+      break;
+    }
+    if (!out.recentred_s) out.recentred_s = age_s;
+  }
+  out.sigma_rad = drift_watch_.sigma_rad();
+  out.advises_recentring = drift_watch_.advises();
+  out.faults = faults_;
+}
+
 void Session::report(HostTime now, Report& out) const {
   out.time = newest_frame_;
   out.frames = frames_;
   receiver_->report(now, out);
-  for (std::uint16_t i = 0; i < out.links.size(); ++i)
+  for (std::uint16_t i = 0; i < out.links.size(); ++i) {
     out.links[i].heading_sigma_rad = tracker_->heading_sigma_rad(i);
+    out.links[i].certainty = certainties_[i];
+  }
   out.shaping = shaping::write_settings(shaper_.settings());
   out.hearing.reset();
   if (hears_)
@@ -454,6 +545,7 @@ void Session::report(HostTime now, Report& out) const {
   Report::Calibration& calibration = out.calibration;
   const tracker::CalibrationState state = tracker_->calibration_state();
   calibration.in_force = in_force_;
+  report_certainty(calibration);
   calibration.target.reset();
   calibration.look_rad.reset();
   calibration.progress = calibration.remaining_s = 0;

@@ -16,6 +16,7 @@
 #include "mien/sensor/rig.h"
 #include "mien/sensor/ticks.h"
 #include "mien/session/command.h"
+#include "mien/session/drift_watch.h"
 #include "mien/session/guide.h"
 #include "mien/session/prompt_watch.h"
 #include "mien/session/prompter.h"
@@ -111,6 +112,9 @@ class Session final : private SampleConsumer {
   void rebound(std::uint16_t sensor, const sensor::DeviceKey& device, bool was_received) override;
   void view_changed(std::uint16_t sensor, const sensor::PictureView& view, bool was_received) override;
   void contested(std::uint16_t sensor, std::string_view accepted, std::string_view other) override;
+  void asked_to_recentre(HostTime arrival, std::string_view source) override;
+  /// Re-centres from the next frame on.
+  void recentre();
   /// What was estimated of the board at this sensor is void.
   void forget(std::uint16_t sensor);
   /// Ends a guided calibration before its time, and tells why; what was in force stays.
@@ -121,7 +125,13 @@ class Session final : private SampleConsumer {
   void follow_calibration(DeviceTime frame, std::span<tracker::CalibrationEvent> events);
   /// Of what the guided calibration that runs has come to.
   void follow_guided(std::span<const tracker::CalibrationEvent> events);
+  /// Begins the rest that re-centring asks for; before the tracker's tick.
+  void begin_rest(DeviceTime frame);
+  /// Re-centres when the rest is over; after the tracker's tick, before shaping.
+  void follow_rest(DeviceTime frame, const std::optional<tracker::RestOutcome>& rested);
   void follow_recentring(DeviceTime frame);
+  /// How certain rotations are, once a second.
+  void watch_drift(DeviceTime frame);
   void add_version(DeviceTime frame, std::string_view origin, std::vector<sensor::Score> scores);
   void add_event(std::string kind, DeviceTime begin, DeviceTime end, std::string json = {});
   Result<void> use_version(std::int64_t id);
@@ -144,6 +154,7 @@ class Session final : private SampleConsumer {
   Result<void> execute(const Correct& command);
   void follow_prompts(DeviceTime frame);
   void report_prompts(Report::Prompts& out) const;
+  void report_certainty(Report::Calibration& out) const;
 
   std::unique_ptr<Receiver> receiver_;
   std::unique_ptr<tracker::Tracker> tracker_;
@@ -161,6 +172,13 @@ class Session final : private SampleConsumer {
   std::int64_t in_force_ = 0;              // Id; 0: none.
   std::vector<std::string_view> renewed_;  // Whose calibration the guided one that runs has changed.
   bool recentring_ = false;
+  std::optional<HostTime> asked_at_;  // The newest re-centring that a datagram asked for, and how many did.
+  std::size_t asked_ = 0;
+  Duration rest_{};                     // What re-centring waits for first; zero: nothing.
+  std::optional<DeviceTime> rest_end_;  // None until it has begun.
+  DriftWatch drift_watch_;
+  std::vector<std::optional<tracker::SensorCertainty>> certainties_;  // By sensor of the rig.
+  std::uint64_t faults_ = 0;                                          // Told.
   std::string_view failure_;
   std::vector<take::Event> events_;
 

@@ -25,6 +25,16 @@ std::vector<std::string> modalities_of(const std::vector<CombinedTracker::Part>&
   return names;
 }
 
+void append(const tracker::RestOutcome& one, std::optional<tracker::RestOutcome>& all) {
+  if (!all) all.emplace();
+  const auto add = [](const std::vector<std::uint16_t>& from, std::vector<std::uint16_t>& to) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  add(one.corrected, all->corrected);
+  add(one.moved, all->moved);
+  add(one.absent, all->absent);
+}
+
 }  // namespace
 
 CombinedTracker::CombinedTracker(std::vector<Part> parts, const ShaperSettings& settings)
@@ -78,6 +88,7 @@ tracker::TickResult CombinedTracker::tick(DeviceTime frame, const sensor::TimeLi
   for (std::size_t i = 0; i < members_.size(); ++i) {
     tracker::TickResult one = tick(members_[i], frame, lines);
     if (one.hearing) all.hearing = one.hearing;
+    if (one.rested) append(*one.rested, all.rested);
     for (tracker::CalibrationEvent& event : one.calibration) all.calibration.push_back(std::move(event));
     sources_[i].sensors_present = one.sensors_present;
     sources_[i].frame = &members_[i].frame;
@@ -159,6 +170,17 @@ void CombinedTracker::cancel_guidance() {
   for (Member& member : members_) member.tracker->cancel_guidance();
 }
 
+Duration CombinedTracker::wants_rest() const {
+  Duration longest{};
+  for (const Member& member : members_)
+    if (counts(member)) longest = std::max(longest, member.tracker->wants_rest());
+  return longest;
+}
+
+void CombinedTracker::rest(DeviceTime begin, DeviceTime end) {
+  for (Member& member : members_) member.tracker->rest(begin, end);
+}
+
 CalibrationState CombinedTracker::calibration_state() const {
   using Phase = CalibrationState::Phase;
   CalibrationState all;
@@ -231,6 +253,17 @@ Result<void> CombinedTracker::correct(const model::Correction& correction) {
 std::optional<double> CombinedTracker::heading_sigma_rad(std::uint16_t sensor) const {
   if (sensor >= member_of_.size() || member_of_[sensor] == kNobodys) return std::nullopt;
   return members_[member_of_[sensor]].tracker->heading_sigma_rad(sensor);
+}
+
+std::optional<tracker::SensorCertainty> CombinedTracker::certainty(std::uint16_t sensor) const {
+  if (sensor >= member_of_.size() || member_of_[sensor] == kNobodys) return std::nullopt;
+  return members_[member_of_[sensor]].tracker->certainty(sensor);
+}
+
+std::uint64_t CombinedTracker::faults() const {
+  std::uint64_t all = 0;
+  for (const Member& member : members_) all += member.tracker->faults();
+  return all;
 }
 
 }  // namespace mien::shaping

@@ -62,6 +62,9 @@ class CombinedTracker final : public tracker::Tracker {
   void guide_expression(const tracker::PromptedExpression& asked) override;
   void guide_gaze(const face::GazeTarget& target, DeviceTime begin, DeviceTime end) override;
   void cancel_guidance() override;
+  /// The longest of those that count.
+  [[nodiscard]] Duration wants_rest() const override;
+  void rest(DeviceTime begin, DeviceTime end) override;
   /// Guided while any is; done when all are; step and hint of the first that has one.
   [[nodiscard]] tracker::CalibrationState calibration_state() const override;
   /// {"imu": {...}, "eyewear": {...}}: calibrations in force.
@@ -74,6 +77,9 @@ class CombinedTracker final : public tracker::Tracker {
   /// The first tracker that takes it is corrected.
   [[nodiscard]] Result<void> correct(const model::Correction& correction) override;
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t sensor) const override;
+  [[nodiscard]] std::optional<tracker::SensorCertainty> certainty(std::uint16_t sensor) const override;
+  /// All trackers'.
+  [[nodiscard]] std::uint64_t faults() const override;
 
  private:
   struct Member {

@@ -81,6 +81,19 @@ struct CalibrationEvent {
   std::vector<PerformedStep> found;
 };
 
+/// How sure a tracker is of a sensor's rotation.
+struct SensorCertainty {
+  double sigma_rad = 0;   ///< Standard deviation of its angle's error: what drift since the calibration left.
+  bool left_out = false;  ///< It is too uncertain: frames are answered without it.
+};
+
+/// What a rest came to (Tracker::rest()): sensors by their numbers in the rig.
+struct RestOutcome {
+  std::vector<std::uint16_t> corrected;
+  std::vector<std::uint16_t> moved;   ///< Moved meanwhile, and were not corrected.
+  std::vector<std::uint16_t> absent;  ///< Were missing for more than half of it.
+};
+
 /// What a tick returns beside the frame.
 struct TickResult {
   /// How many sensors were there: 0 asks whoever shapes to hold and to ease to neutral, a change to ease
@@ -99,6 +112,8 @@ struct TickResult {
     Duration behind{};
   };
   std::optional<Hearing> hearing = {};
+  /// Of a rest that ended at this frame.
+  std::optional<RestOutcome> rested = {};
 };
 
 /// One modality's way from samples to output frames; the only face that the live session sees of it. A pure
@@ -149,6 +164,13 @@ class Tracker {
   /// Ends guidance; what was in force before its first step is in force again.
   virtual void cancel_guidance() = 0;
 
+  /// How long its performer would have to rest now for rest(); zero where that would correct nothing.
+  [[nodiscard]] virtual Duration wants_rest() const { return {}; }
+  /// The performer has been asked to rest, face and head as in the calibration's neutral, on the frames
+  /// [begin, end); given before the tick of its begin. What has drifted since the calibration is corrected by
+  /// it before the first frame at or after `end`. A modality that has no use for it passes it over.
+  virtual void rest([[maybe_unused]] DeviceTime begin, [[maybe_unused]] DeviceTime end) {}
+
   /// Of a tracker without anything to calibrate: Phase::done, else its users are asked to nod.
   [[nodiscard]] virtual CalibrationState calibration_state() const = 0;
   /// The calibration in force as JSON, as a take keeps it; empty when there is none.
@@ -166,6 +188,13 @@ class Tracker {
 
   /// Standard deviation of a sensor's heading, rad; none where it has no heading.
   [[nodiscard]] virtual std::optional<double> heading_sigma_rad(std::uint16_t sensor) const = 0;
+  /// At the last tick; none of a sensor that was missing, is not calibrated, or whose rotation is no matter.
+  [[nodiscard]] virtual std::optional<SensorCertainty> certainty(
+      [[maybe_unused]] std::uint16_t sensor) const {
+    return {};
+  }
+  /// How often an estimate of drift began anew because its covariance was none: defects of this program.
+  [[nodiscard]] virtual std::uint64_t faults() const { return 0; }
 };
 
 }  // namespace mien::tracker

@@ -18,9 +18,11 @@
 
 #include "mien/headset/headset_tracker.h"
 #include "mien/headset/picture_protocol.h"
+#include "mien/modalities/osc_commands.h"
 #include "mien/session/replay.h"
 #include "mien/take/take.h"
 #include "tests/folder.h"
+#include "tests/gaze/osc_bytes.h"
 #include "tests/headset/small_model.h"
 #include "tests/session/session_run.h"
 #include "tests/sink/loopback.h"
@@ -224,6 +226,36 @@ TEST(Engine, CarriesFramesFromNodesToSinksAndThePageAndObeysIt) {
   EXPECT_TRUE(take->finished());
   EXPECT_EQ(take->note("live.model").value(), "two shapes");
   EXPECT_LE(take->ticks().value().front().index, shown_before - 20) << "not from the beginning";
+}
+
+TEST(Engine, ADatagramOfOscRecentresAndThePageIsToldWhoAsked) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  boost::asio::io_context network;
+  session::Session::Parts parts;
+  parts.rig = virt::test::three_sensors();
+  parts.tracker = std::make_unique<imu::ImuTracker>(parts.rig, std::make_unique<session::test::TwoShapes>());
+  parts.protocols.push_back(std::make_unique<modalities::OscCommands>());
+  parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
+  EngineSettings asked = settings(folder);
+  asked.page = PageSettings{.host = "127.0.0.1", .port = 0, .token = {}, .assets = {}};
+  Running running(std::move(asked), session::Session::create(std::move(parts)).value());
+  ASSERT_TRUE(running.engine()) << running.engine().error().message();
+  const std::uint16_t port = test::port_of((*running).listening().front());
+  const virt::VirtualSession performed = session::test::performance(60);
+  Nodes nodes(performed, port);
+  PageClient page(network, test::port_of((*running).page()));
+  EXPECT_TRUE(run_until(network, [&] { return page.frames() >= 30; }));
+
+  udp::socket headset(network, udp::endpoint(boost::asio::ip::address_v4::loopback(), 0));
+  headset.send_to(boost::asio::buffer(gaze::test::message("/mien/recentre", {1})),
+                  udp::endpoint(boost::asio::ip::address_v4::loopback(), port));
+  EXPECT_TRUE(run_until(network, [&] { return page.has_event("recentre"); }));
+  const auto told = std::ranges::find_if(page.messages(), [](const Json& message) {
+    return message["type"] == "event" && message["kind"] == "recentre";
+  });
+  ASSERT_NE(told, page.messages().end());
+  EXPECT_EQ((*told)["text"], fmt::format("re-centring, as udp://127.0.0.1:{} asks by OSC: relax your face",
+                                         headset.local_endpoint().port()));
 }
 
 TEST(Engine, ATakeOfTheWholeSessionReplaysToItsBitsAndItEndsByItself) {

@@ -107,6 +107,54 @@ TEST(PageMessages, StatusNamesWhoIsHeardAsASensorAndWhoIsNot) {
             "two devices send as brow: a is heard, b is not; the page's sensors let you choose");
 }
 
+TEST(PageMessages, StatusSaysHowOldAndHowSureTheCalibrationIs) {
+  Status now = status();
+  Json said = Json::parse(status_json(now, glasses()));
+  for (const char* key : {"age_s", "recentred_s", "sigma_deg"})
+    EXPECT_TRUE(said["calibration"][key].is_null());
+  EXPECT_EQ(said["calibration"]["advises_recentring"], false);
+  EXPECT_TRUE(said["links"][0]["rotation_sigma_deg"].is_null());
+  EXPECT_EQ(said["links"][0]["left_out"], false);
+
+  session::Report::Calibration& calibration = now.report.calibration;
+  calibration.age_s = 4320;
+  calibration.recentred_s = 180.5;
+  calibration.sigma_rad = 0.1;
+  calibration.advises_recentring = true;
+  calibration.faults = 2;
+  now.report.links[1].certainty = tracker::SensorCertainty{.sigma_rad = 0.2, .left_out = true};
+  said = Json::parse(status_json(now, glasses()));
+  EXPECT_EQ(said["calibration"]["age_s"], 4320);
+  EXPECT_EQ(said["calibration"]["recentred_s"], 180.5);
+  EXPECT_EQ(said["calibration"]["sigma_deg"], 5.73);
+  EXPECT_EQ(said["calibration"]["advises_recentring"], true);
+  EXPECT_EQ(said["calibration"]["drift_faults"], 2);
+  EXPECT_EQ(said["links"][1]["rotation_sigma_deg"], 11.46);
+  EXPECT_EQ(said["links"][1]["left_out"], true);
+}
+
+TEST(PageMessages, RecentringIsAdvisedAndTold) {
+  const auto text = [](const char* kind, const char* json) { return event_text({kind, {}, {}, json}); };
+  EXPECT_EQ(text("recentre", ""), "") << "who pressed Space knows";
+  EXPECT_EQ(text("recentre", R"({"source": "udp://10.0.0.9:9000"})"),
+            "re-centring, as udp://10.0.0.9:9000 asks by OSC: relax your face");
+  EXPECT_EQ(text("rested", R"({"corrected": ["a"], "moved": [], "absent": ["b"]})"), "");
+  EXPECT_EQ(
+      text("rested", R"({"corrected": [], "moved": ["mentalis", "brow"], "absent": []})"),
+      "the face moved at mentalis, brow while it should rest, so drift was not corrected there; relax it and "
+      "re-centre again");
+  EXPECT_EQ(text("recentre_advised", R"({"sigma_deg": 6.25, "left_out": []})"),
+            "rotations are known to 6.2 degrees only; relax your face and press Space on the page, or mien "
+            "calibrate recentre");
+  EXPECT_EQ(text("recentre_advised", R"({"sigma_deg": 3, "left_out": ["mentalis"]})"),
+            "left out for their uncertainty: mentalis; relax your face and press Space on the page, or mien "
+            "calibrate recentre");
+  EXPECT_NE(text("drift_fault", R"({"count": 1})").find("a defect of this program"), std::string::npos);
+  for (const char* kind : {"rested", "recentre_advised", "drift_fault", "recentre"})
+    for (const char* odd : {"", "[]", "3", R"({"moved": 3, "left_out": [1], "sigma_deg": "x", "source": 1})"})
+      EXPECT_NO_THROW(static_cast<void>(text(kind, odd))) << kind << odd;
+}
+
 TEST(PageMessages, StatusDoesNotRepeatTheTextOfRules) {
   Status now = status();
   now.report.shaping = R"({"constraints": true, "rules": "[[exclusive]]", "smoothing": 0.5})";

@@ -62,7 +62,7 @@ TEST(Session, CalibratesItselfAndTracks) {
 }
 
 TEST(Session, TheSameLogGivesTheSameBits) {
-  const virt::VirtualSession performed = performance(3);
+  const virt::VirtualSession performed = performance(6);
   const std::vector<test::Order> orders = {{6, R"({"command": "shape", "smoothing": 0.3, "resting": true})"},
                                            {14, R"({"command": "recentre"})"}};
   const Played live = test::run(*test::session(), performed.entries, orders);
@@ -236,11 +236,11 @@ TEST(Session, AVersionCarriesTheRestingFaceLearntSoFar) {
   const auto session = test::session(virt::test::three_sensors(), 0.25F);
   const Played run = test::run(*session, performed.entries,
                                {{6, R"({"command": "shape", "resting": true})"},
-                                {34, R"({"command": "recentre"})"},
+                                {32, R"({"command": "recentre"})"},
                                 {36, R"({"command": "use_calibration", "version": 1})"},
                                 {37, R"({"command": "recentre"})"},
-                                {39, R"({"command": "use_calibration", "version": 2})"},
-                                {41, R"({"command": "recentre"})"}});
+                                {41, R"({"command": "use_calibration", "version": 2})"},
+                                {43, R"({"command": "recentre"})"}});
   ASSERT_EQ(session->versions().size(), 4u);
   const auto resting = [&](std::size_t i) { return session->versions()[i].resting; };
   const std::string nothing = shaping::write_resting_face({});

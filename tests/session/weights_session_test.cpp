@@ -199,9 +199,10 @@ TEST(WeightsSession, RecentringTurnsAndMovesTheHead) {
                                {{.at_s = kPrologue_s + 1, .json = R"({"command": "recentre"})"}});
   const face::OutputFrame& last = run.frames.back().frame;
   const double t = fired_s(run.frames.back());
-  // Measured over a second, in which the heading and the place were about those of its middle.
-  const double yaw = yaw_at(kPrologue_s + 1.5);
-  const Vec3 moved = exp_rotation({0, -yaw, 0}) * Vec3(left_at(t) - left_at(kPrologue_s + 1.5), 0, 0);
+  // Measured over a second, after the two of rest that the IMUs want, in which the heading and the place were
+  // about those of its middle.
+  const double middle_s = kPrologue_s + 1 + 2 + 0.5, yaw = yaw_at(middle_s);
+  const Vec3 moved = exp_rotation({0, -yaw, 0}) * Vec3(left_at(t) - left_at(middle_s), 0, 0);
   EXPECT_LT(angle_between(last.head, exp_rotation({0, yaw_at(t) - yaw, 0})), 0.03);
   EXPECT_LT((last.head_position_m.cast<double>() - moved).norm(), 0.015);
   EXPECT_EQ(replayed(run), run.hash);

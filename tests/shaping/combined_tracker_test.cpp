@@ -29,11 +29,15 @@ class Puppet final : public tracker::Tracker {
   std::vector<tracker::CalibrationEvent> events;  // Of the next tick.
   std::vector<sensor::Score> judged;
   DeviceTime ticked;  // Time of the last tick.
+  Duration rest_wanted{};
+  std::optional<tracker::RestOutcome> rested;  // Of the next tick.
+  std::uint64_t defects = 0;
   // What it heard.
   std::vector<std::uint16_t> samples, forgotten;
   std::vector<Step> guided;
   DeviceTime range_end;
   int cancelled = 0;
+  DeviceTime rest_end;
   std::string restored;
 
   [[nodiscard]] std::string_view modality() const override { return name_; }
@@ -48,6 +52,7 @@ class Puppet final : public tracker::Tracker {
     if (name_ == Merge::kListening) out.provenance.fill(Provenance::audio);
     tracker::TickResult result{
         .sensors_present = there, .calibration = std::exchange(events, {}), .explained = explained};
+    result.rested = std::exchange(rested, std::nullopt);
     if (name_ == Merge::kListening) result.hearing = tracker::TickResult::Hearing{.speaks = true};
     return result;
   }
@@ -71,6 +76,12 @@ class Puppet final : public tracker::Tracker {
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t sensor) const override {
     return sensor + 0.5;
   }
+  [[nodiscard]] Duration wants_rest() const override { return rest_wanted; }
+  void rest(DeviceTime, DeviceTime end) override { rest_end = end; }
+  [[nodiscard]] std::optional<tracker::SensorCertainty> certainty(std::uint16_t sensor) const override {
+    return tracker::SensorCertainty{.sigma_rad = sensor + 0.25};
+  }
+  [[nodiscard]] std::uint64_t faults() const override { return defects; }
 
  private:
   std::string name_;
@@ -153,6 +164,43 @@ TEST(CombinedTracker, AHeadingIsAskedOfWhoOwnsTheSensor) {
   EXPECT_EQ(stage.both->heading_sigma_rad(4), 4.5);
   EXPECT_EQ(stage.both->heading_sigma_rad(3), 3.5);
   EXPECT_EQ(stage.both->heading_sigma_rad(5), std::nullopt) << "nobody's";
+}
+
+TEST(CombinedTracker, ARestIsForAllThatAreThereAndTheLongestIsAskedFor) {
+  const Stage stage;
+  EXPECT_EQ(stage.both->wants_rest(), Duration::zero());
+  stage.imu->rest_wanted = std::chrono::seconds(2);
+  EXPECT_EQ(stage.both->wants_rest(), std::chrono::seconds(2));
+  // Sensors that are on the table ask for none.
+  stage.receive(0, 1);
+  stage.receive(2, 9);
+  EXPECT_EQ(stage.both->wants_rest(), Duration::zero());
+  stage.receive(0, 9);
+  EXPECT_EQ(stage.both->wants_rest(), std::chrono::seconds(2));
+  const DeviceTime end = frame_time(120);
+  stage.both->rest(frame_time(0), end);
+  EXPECT_EQ(stage.imu->rest_end, end);
+  EXPECT_EQ(stage.eyewear->rest_end, end);
+
+  OutputFrame out;
+  EXPECT_FALSE(stage.both->tick(frame_time(0), stage.lines, out).rested);
+  stage.imu->rested = tracker::RestOutcome{.corrected = {0}, .moved = {4}, .absent = {1}};
+  stage.eyewear->rested = tracker::RestOutcome{.corrected = {2}, .moved = {}, .absent = {}};
+  const auto rested = stage.both->tick(frame_time(1), stage.lines, out).rested;
+  ASSERT_TRUE(rested);
+  EXPECT_EQ(rested->corrected, (std::vector<std::uint16_t>{0, 2}));
+  EXPECT_EQ(rested->moved, (std::vector<std::uint16_t>{4}));
+  EXPECT_EQ(rested->absent, (std::vector<std::uint16_t>{1}));
+}
+
+TEST(CombinedTracker, CertaintyIsTheOwnersAndFaultsAreAllTrackers) {
+  const Stage stage;
+  ASSERT_TRUE(stage.both->certainty(3));
+  EXPECT_EQ(stage.both->certainty(3)->sigma_rad, 3.25);
+  EXPECT_FALSE(stage.both->certainty(5));
+  stage.imu->defects = 2;
+  stage.eyewear->defects = 1;
+  EXPECT_EQ(stage.both->faults(), 3U);
 }
 
 TEST(CombinedTracker, MergesWhatItsTrackersAnswer) {
