@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/one_line.h"
+#include "mien/core/units.h"
 
 namespace mien::app {
 namespace {
@@ -41,6 +42,15 @@ std::string ago(double seconds) {
   if (s < 60) return fmt::format("{} s ago", s);
   if (s < 3600) return fmt::format("{} min ago", s / 60);
   return fmt::format("{} h {} min ago", s / 3600, s / 60 % 60);
+}
+
+/// "Calibrated 1 h 12 min ago, re-centred 3 min ago; rotations are known to 2.1 degrees"; empty where nothing
+/// drifts.
+std::string certainty_text(const session::Report::Calibration& calibration) {
+  if (!calibration.sigma_rad || !calibration.age_s) return {};
+  std::string text = "Calibrated " + ago(*calibration.age_s);
+  if (calibration.recentred_s) text += ", re-centred " + ago(*calibration.recentred_s);
+  return fmt::format("{}; rotations are known to {:.1f} degrees", text, kDegPerRad * *calibration.sigma_rad);
 }
 
 const Score* find_score(const CalibrationVersion& version, const std::string& name) {
@@ -81,6 +91,7 @@ void print_versions(const SessionStatus& status) {
                ago(status.time_s - to_seconds(version.made.time_since_epoch())),
                one_line(version.origin, kNameLetters), version.id == calibration.in_force ? "yes" : "",
                worst_text(version));
+  if (const std::string text = certainty_text(calibration); !text.empty()) fmt::print("{}\n", text);
 }
 
 void print_comparison(const CalibrationVersion& a, const CalibrationVersion& b) {
@@ -120,6 +131,7 @@ Json versions_json(const SessionStatus& status) {
     versions.back()["in_force"] = version.id == calibration.in_force;
   }
   return {{"state", calibration.state},
+          {"sigma_deg", calibration.sigma_rad ? Json(kDegPerRad * *calibration.sigma_rad) : Json(nullptr)},
           {"in_force", calibration.in_force == 0 ? Json(nullptr) : Json(calibration.in_force)},
           {"versions", std::move(versions)}};
 }

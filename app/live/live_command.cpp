@@ -11,6 +11,7 @@
 #include "app/json_output.h"
 #include "app/live/camera_feed.h"
 #include "app/live/page_address.h"
+#include "mien/core/units.h"
 #include "mien/live/network_interfaces.h"
 #include "mien/live/unheard.h"
 
@@ -86,6 +87,9 @@ Json summary_json(const live::EngineSummary& summary) {
           {"unsealed", summary.network.unsealed},
           {"calibrations", summary.report.calibration.versions.size()},
           {"calibration", summary.report.calibration.state},
+          {"rotation_sigma_deg", summary.report.calibration.sigma_rad
+                                     ? Json(kDegPerRad * *summary.report.calibration.sigma_rad)
+                                     : Json()},
           {"prompt", summary.report.calibration.prompt},
           {"take", summary.take ? Json(summary.take->string()) : Json()},
           {"recording_error", summary.recording_error},
@@ -295,6 +299,9 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
     if (summary.frames > 0 && summary.report.calibration.state == "watching")
       fmt::print("Nothing was ever calibrated, so every frame is neutral: {}\n",
                  summary.report.calibration.prompt);
+    if (summary.report.calibration.sigma_rad)
+      fmt::print("Rotations were known to {:.1f} degrees at the end\n",
+                 kDegPerRad * *summary.report.calibration.sigma_rad);
     for (const sink::Status& sink : summary.sinks)
       fmt::print("{}: {} sent, {} failed{}{}\n", sink.address, sink.sent, sink.failed,
                  sink.note.empty() ? "" : "; ", sink.note);

@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "mien/core/units.h"
+
 namespace mien::app {
 namespace {
 
@@ -60,6 +62,15 @@ Result<std::int64_t> whole_in(const nlohmann::json& object, const char* key) {
   return value->get<std::int64_t>();
 }
 
+/// What `read` reads; none where it is null or missing: sessions of before did not tell it.
+Result<std::optional<double>> optional_in(const nlohmann::json& object, const char* key,
+                                          Result<double> (*read)(const nlohmann::json&, const char*)) {
+  const nlohmann::json* value = find(object, key);
+  if (value == nullptr || value->is_null()) return std::optional<double>();
+  MIEN_TRY_ASSIGN(const double number, read(object, key));
+  return std::optional(number);
+}
+
 /// The objects of a list.
 Result<const nlohmann::json*> objects_in(const nlohmann::json& object, const char* key) {
   const nlohmann::json* list = find(object, key);
@@ -86,6 +97,10 @@ Result<session::Report::Calibration> read_calibration(const nlohmann::json& obje
   MIEN_TRY_ASSIGN(out.prompt, text_in(object, "prompt"));
   MIEN_TRY_ASSIGN(out.progress, number_in(object, "progress"));
   MIEN_TRY_ASSIGN(out.remaining_s, seconds_in(object, "remaining_s"));
+  MIEN_TRY_ASSIGN(out.age_s, optional_in(object, "age_s", seconds_in));
+  MIEN_TRY_ASSIGN(out.recentred_s, optional_in(object, "recentred_s", seconds_in));
+  MIEN_TRY_ASSIGN(const std::optional<double> sigma_deg, optional_in(object, "sigma_deg", number_in));
+  if (sigma_deg) out.sigma_rad = kRadPerDeg * *sigma_deg;
   MIEN_TRY_ASSIGN(const nlohmann::json* versions, objects_in(object, "versions"));
   for (const nlohmann::json& item : *versions) {
     session::CalibrationVersion& version = out.versions.emplace_back();

@@ -25,6 +25,8 @@ live::Status status() {
   calibration.prompt = "Nod";
   calibration.progress = 0.25;
   calibration.remaining_s = 3.5;
+  calibration.age_s = 4320;
+  calibration.sigma_rad = 0.05 * 3.14159265358979 / 0.9;  // 10 degrees.
   calibration.in_force = 2;
   calibration.versions.resize(2);
   calibration.versions[0] = {1, DeviceTime(from_seconds(3)), "self", "", "", "", {}};
@@ -64,6 +66,10 @@ TEST(SessionMessage, AStatusComesBackAsTheSessionWroteIt) {
   EXPECT_EQ(calibration.progress, 0.25);
   EXPECT_EQ(calibration.remaining_s, 3.5);
   EXPECT_EQ(calibration.in_force, 2);
+  EXPECT_EQ(calibration.age_s, 4320);
+  EXPECT_EQ(calibration.recentred_s, std::nullopt);
+  ASSERT_TRUE(calibration.sigma_rad);
+  EXPECT_NEAR(*calibration.sigma_rad, *written.calibration.sigma_rad, 1e-3);
   ASSERT_EQ(calibration.versions.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
     const session::CalibrationVersion& is = calibration.versions[i];
@@ -140,6 +146,11 @@ TEST(SessionMessage, WhatCannotBeMeantIsRefused) {
         R"({"type": "status", "time": 1e999})"})
     EXPECT_FALSE(parse_session_message(text)) << text;
   json late = status_object();
+  late["calibration"]["age_s"] = 1e300;
+  EXPECT_FALSE(parse_session_message(late.dump()));
+  late["calibration"].erase("age_s");
+  late["calibration"].erase("sigma_deg");
+  EXPECT_TRUE(parse_session_message(late.dump())) << "sessions of before did not tell them";
   late["calibration"]["versions"][0]["time"] = 1e300;
   const auto message = parse_session_message(late.dump());
   ASSERT_FALSE(message);
