@@ -334,6 +334,9 @@ Result<void> Session::use_version(std::int64_t id) {
   MIEN_TRY_ASSIGN(const shaping::RestingFace resting, shaping::parse_resting_face(found->resting, kSession));
   MIEN_TRY(execute(CancelCalibration{}));
   if (!found->json.empty()) MIEN_TRY(tracker_->restore(found->json));
+  recentring_ = false;  // It was of the version before.
+  rest_ = Duration::zero();
+  rest_end_.reset();
   shaper_.use_centre(centre);
   shaper_.use_resting(resting);
   in_force_ = id;

@@ -188,6 +188,16 @@ TEST(RecentreSession, TheSameLogGivesTheSameBits) {
   EXPECT_EQ(session->hash(), live.hash);
 }
 
+TEST(RecentreSession, AnEarlierVersionEndsARestThatWasAskedFor) {
+  std::vector<Watching::Seen> seen;
+  const auto session = watched_session(seen);
+  const Played run = test::run(*session, resting_performance(8).entries,
+                               {{15, kRecentre}, {16, R"({"command": "use_calibration", "version": 1})"}});
+  EXPECT_EQ(run.count("rested"), 0u);
+  EXPECT_EQ(session->versions().size(), 1u);
+  EXPECT_EQ(run.report.calibration.in_force, 1);
+}
+
 TEST(RecentreSession, AFaceThatSpeaksIsCentredAndItsDriftIsNotCorrected) {
   const virt::VirtualSession performed = test::performance(8);
   std::vector<Watching::Seen> seen;
