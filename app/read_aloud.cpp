@@ -6,6 +6,7 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "app/media_helper.h"
 #include "mien/study/speech/lines.h"
@@ -60,15 +61,22 @@ void mix(const Sound& line, double at_s, double end_s, Sound& all) {
   std::copy_n(line.samples.begin(), count, all.samples.begin() + static_cast<std::ptrdiff_t>(begin));
 }
 
-Result<Sound> read_aloud(performer::Script& script, const Progress& progress) {
+Result<Sound> read_aloud(std::span<performer::Script> scripts, const Progress& progress) {
   // espeak-ng's own pace for calm reading; acted lines are quicker.
   constexpr int kCalm = 140, kActed = 170;
   const auto languages = study::reading_languages();
   Reader reader;
   Sound mixed;
-  double begin_s = 0;
+  double begin_s = 0, whole_s = 0;
+  std::vector<performer::Segment*> segments;
+  for (performer::Script& script : scripts)
+    for (performer::Segment& segment : script.segments) {
+      segments.push_back(&segment);
+      whole_s += segment.duration_s;
+    }
   std::size_t spoken = 0;
-  for (performer::Segment& segment : script.segments) {
+  for (performer::Segment* const each : segments) {
+    performer::Segment& segment = *each;
     const double segment_s = segment.duration_s;
     const double from_s = begin_s;
     begin_s += segment_s;
@@ -77,7 +85,7 @@ Result<Sound> read_aloud(performer::Script& script, const Progress& progress) {
     performer::Utterance all;
     double at_s = 0;
     for (std::size_t line = spoken++; at_s < segment_s; ++line) {
-      if (!progress((from_s + at_s) / script.duration_s(), language.voice))
+      if (!progress((from_s + at_s) / whole_s, language.voice))
         return fail(ErrorCode::cancelled, "stopped while reading aloud");
       MIEN_TRY_ASSIGN(
           const study::SpokenLine* said,
@@ -85,13 +93,16 @@ Result<Sound> read_aloud(performer::Script& script, const Progress& progress) {
                      segment.block == performer::Block::acted ? kActed : kCalm));
       all.language = segment.language = said->utterance.language;
       append(said->utterance, at_s, all);
+      // Hours of sound are not held twice while they grow.
+      mixed.samples.reserve(static_cast<std::size_t>(std::ceil(whole_s * said->sound.rate_hz)));
       mix(said->sound, from_s + at_s, from_s + segment_s, mixed);
       at_s += std::max(said->utterance.duration_s, said->sound.duration_s()) + kPauseS;
     }
     segment.utterance = std::move(all);
   }
   if (mixed.rate_hz == 0)
-    return fail(ErrorCode::bad_usage, "nothing in this script is said aloud", script.name,
+    return fail(ErrorCode::bad_usage, "nothing in this script is said aloud",
+                scripts.empty() ? "" : scripts.front().name,
                 "take --script reading, acted or mixed, or --voice babble");
   progress(1, "read");
   return mixed;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/core/wav.h"
@@ -11,10 +13,10 @@ namespace mien::app {
 /// has none.
 void mix(const Sound& line, double at_s, double end_s, Sound& all);
 
-/// Has every reading or acted segment of the script say lines of ours, in English, German, Spanish or
-/// French, by espeak-ng: the segment's utterance gets its phonemes and their times, and the result is what is
-/// heard, from the script's start. Errors: bad_usage (nothing in the script is said); not_found (no
-/// mien-media); what the helper says; cancelled.
-[[nodiscard]] Result<Sound> read_aloud(performer::Script& script, const Progress& progress);
+/// Has every reading or acted segment of scripts that follow one another say lines of ours, in English,
+/// German, Spanish or French, by espeak-ng: the segment's utterance gets its phonemes and their times, and
+/// the result is what is heard, from the first script's start. Errors: bad_usage (nothing in them is said);
+/// not_found (no mien-media); what the helper says; cancelled.
+[[nodiscard]] Result<Sound> read_aloud(std::span<performer::Script> scripts, const Progress& progress);
 
 }  // namespace mien::app

@@ -124,7 +124,7 @@ Result<void> run_demo(DemoOptions options) {
       performer::Block::acted;  // A face that speaks and feels says more than one that exercises.
   request.script = performer::default_script(kSaid, options.seconds);
   request.script_name = performer::block_name(kSaid);
-  MIEN_TRY_ASSIGN(request.sound, read_aloud(request.script, no_progress));
+  MIEN_TRY_ASSIGN(request.sound, read_aloud(std::span(&request.script, 1), no_progress));
   request.take = options.out / "performance.mien";
   request.replace = true;
   request.software = "mien " MIEN_VERSION;

@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <exception>
 #include <filesystem>
 #include <future>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -20,6 +23,8 @@
 #include "mien/builtin_face/person.h"
 #include "mien/core/files.h"
 #include "mien/core/wav.h"
+#include "mien/performer/encore.h"
+#include "mien/performer/long_motion.h"
 #include "mien/sensor/rig_part.h"
 #include "mien/virtual/headset/timed_failure.h"
 #include "mien/virtual/perform_take.h"
@@ -30,7 +35,7 @@ namespace {
 struct PerformOptions {
   virt::PerformRequest request;
   NetworkOptions network;
-  std::optional<Option> phone;
+  std::optional<Option> phone, seconds_option;
   bool ahead = false;
   std::string cameras;
   std::string failure;
@@ -227,6 +232,16 @@ Result<void> check_face(const std::string& what) {
   return {};
 }
 
+/// What is heard of a motion that is repeated, or cut, to last so long.
+Sound as_long_as(const Sound& once, const face::Motion& motion, double seconds) {
+  const double motion_s = motion.frames.empty() ? 0 : motion.duration_s() - motion.frames.front().time_s;
+  Sound all{.rate_hz = once.rate_hz, .samples = {}};
+  all.samples.reserve(static_cast<std::size_t>(std::ceil(seconds * once.rate_hz)));
+  for (double begin_s = 0; begin_s < seconds; begin_s += motion_s + performer::kReturnS)
+    mix(once, begin_s, std::min(seconds, begin_s + motion_s), all);
+  return all;
+}
+
 /// What is heard of the performance, from its beginning on.
 Result<void> write_sound(const PerformOptions& options) {
   MIEN_TRY(check_output(options.sound, {".wav"}));
@@ -275,13 +290,20 @@ Result<void> run_perform(PerformOptions options) {
     request.motion = std::move(performance.motion);
     request.sound = std::move(performance.sound);
     request.script_name = std::filesystem::path(options.motion).filename().string();
+    if (options.seconds_option && options.seconds_option->given()) {
+      request.motion_s = options.seconds;
+      if (request.sound) request.sound = as_long_as(*request.sound, *request.motion, options.seconds);
+    }
   } else {
-    request.script = performer::default_script(block, options.seconds);
+    std::vector<performer::Script> scripts = performer::piece_scripts(block, options.seconds);
     request.script_name = options.block;
     if (options.voice.empty()) options.voice = block == performer::Block::reading ? "espeak" : "babble";
     if (options.voice == "espeak") {
-      MIEN_TRY_ASSIGN(request.sound, read_aloud(request.script, terminal_progress("reading aloud")));
+      MIEN_TRY_ASSIGN(request.sound, read_aloud(scripts, terminal_progress("reading aloud")));
     }
+    request.script = std::move(scripts.front());
+    request.later_scripts.assign(std::make_move_iterator(scripts.begin() + 1),
+                                 std::make_move_iterator(scripts.end()));
   }
   if (!options.sound.empty()) MIEN_TRY(write_sound(options));
   if (options.prologue == "none") request.prologue = performer::PrologueKind::none;
@@ -374,10 +396,14 @@ void add_perform_command(Commands& commands) {
       .excludes(motion)
       .one_of({"mixed", "reading", "expressions", "acted", "range_of_motion", "free", "eating", "rapid"})
       .show_default();
-  command.add_option("--seconds", options->seconds, "Length of the script")
-      .excludes(motion)
-      .number_between(1.0, virt::kLongestPerformanceS)
-      .show_default();
+  options->seconds_option =
+      command
+          .add_option("--seconds", options->seconds,
+                      "Length of the script, of which every ten minutes are drawn anew. With --motion: the "
+                      "motion is repeated, with a second from its end to its beginning, or cut, to last so "
+                      "long. More than two hours are for IMUs alone, with --take")
+          .number_between(1.0, virt::kLongestPerformanceS)
+          .show_default();
   command
       .add_option("--voice", options->voice,
                   "Who speaks the script's lines: espeak (espeak-ng: its phonemes, timing and sound, in four "

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <ranges>
 #include <sstream>
 #include <string_view>
@@ -30,14 +31,55 @@
 namespace mien::virt {
 namespace {
 
-face::Motion motion_of(const StageRequest& request, const Random& root) {
-  if (request.motion) return *request.motion;
+/// The virtual performer's motion, a script after another; no frames after the last.
+std::function<face::Motion(std::size_t index)> pieces_of(const StageRequest& request, const Random& root) {
   Random style_random = root.fork("style");
-  const performer::Style style = performer::draw_style(style_random);
-  performer::Script script = request.script;
-  script.moves_head = request.devices != "lab";
-  return performer::perform(script, style, root.fork("motion"));
+  return [style = performer::draw_style(style_random), random = root.fork("motion"),
+          moves_head = request.devices != "lab", first = request.script,
+          later = request.later_scripts](std::size_t index) {
+    if (index > later.size()) return face::Motion();
+    performer::Script script = index == 0 ? first : later[index - 1];
+    script.moves_head = moves_head;
+    return performer::perform(script, style, index == 0 ? random : random.fork("piece", index));
+  };
 }
+
+double seconds_of(const StageRequest& request) {
+  if (request.motion) return request.motion_s.value_or(request.motion->duration_s());
+  double seconds = request.script.duration_s();
+  for (const performer::Script& script : request.later_scripts) seconds += script.duration_s();
+  return seconds;
+}
+
+/// The recorded motion with a head, cut where it is longer than it is to last.
+Result<face::Motion> recorded_motion(const StageRequest& request, bool lab, const Random& root) {
+  face::Motion motion = *request.motion;
+  if (motion.frames.empty())
+    return fail(ErrorCode::bad_usage, "the motion has no frames", request.script_name);
+  if (request.motion_s)
+    std::erase_if(motion.frames, [end_s = motion.frames.front().time_s + *request.motion_s](
+                                     const face::MotionFrame& frame) { return frame.time_s > end_s; });
+  if (!motion.has_head && !lab) motion = performer::with_head_motion(motion, root.fork("head"));
+  return motion;
+}
+
+/// A session that is played and received at once.
+class WholeSession final : public SessionStream {
+ public:
+  explicit WholeSession(const Stage& stage) : stage_(stage) {}
+  [[nodiscard]] Result<Stretch> next(const Progress& progress) override {
+    done_ = true;
+    Stretch all;
+    MIEN_TRY_ASSIGN(all.session, play(stage_, progress));
+    all.calibrations = stage_.worn->calibrations(stage_, all.session);
+    return all;
+  }
+  [[nodiscard]] bool done() const override { return done_; }
+
+ private:
+  const Stage& stage_;
+  bool done_ = false;
+};
 
 /// A kind of sensors, and how a performer puts them on.
 struct Modality {
@@ -167,7 +209,11 @@ Result<FaultsText> read_faults(const StageRequest& request, const sensor::Rig& r
   return part_of({std::move(text), request.devices}, table);
 }
 
-Result<Stage> set_stage(const StageRequest& request) {
+Result<std::unique_ptr<SessionStream>> WornDevices::stream(const Stage& stage) const {
+  return fail(ErrorCode::unsupported, "these devices cannot be streamed", stage.rig.name);
+}
+
+Result<Stage> set_stage(const StageRequest& request, StageHolds holds) {
   Stage stage;
   MIEN_TRY_ASSIGN(stage.rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(stage.rig, sensor::parse_rig(stage.rig_toml, request.rig.string()));
@@ -177,31 +223,66 @@ Result<Stage> set_stage(const StageRequest& request) {
   const Random root(request.seed);
   MIEN_TRY_ASSIGN(stage.worn, wear_all(request, std::move(face), root, stage));
 
-  const double seconds = request.motion ? request.motion->duration_s() : request.script.duration_s();
-  if (!(seconds <= kLongestPerformanceS))
-    return fail(
-        ErrorCode::out_of_range,
-        fmt::format("the performance is {:.0f} s long, more than {:.0f}", seconds, kLongestPerformanceS),
-        request.script_name, "perform it in parts; a time code may jump");
+  const double seconds = seconds_of(request);
+  const bool streamed = holds == StageHolds::piece && stage.worn->streams(stage.lab);
+  if (const double most_s = streamed ? kLongestPerformanceS : kLongestWholeS;
+      !(seconds < most_s + 1 / kFrameRateHz))
+    return fail(ErrorCode::out_of_range,
+                fmt::format("the performance is {:.0f} s long, more than {:.0f}", seconds, most_s),
+                request.script_name,
+                streamed ? "perform it in parts; a time code may jump"
+                         : fmt::format("perform it in parts, or with IMUs alone into a take: up to {:.0f} s",
+                                       kLongestPerformanceS));
   if (const double from_s = request.headset_failure ? request.headset_failure->from_s.value_or(0) : 0;
       from_s > 0 && from_s >= seconds)
     return fail(
         ErrorCode::out_of_range,
         fmt::format("a headset's failure from {} s on, and the motion is over after {:.1f}", from_s, seconds),
         request.script_name, "let it begin before that, or perform for longer");
-  face::Motion motion = motion_of(request, root);
-  if (motion.frames.empty())
-    return fail(ErrorCode::bad_usage, "the motion has no frames", request.script_name);
-  if (!motion.has_head && !stage.lab) motion = performer::with_head_motion(motion, root.fork("head"));
-  stage.motion =
-      performer::with_prologue(motion, request.prologue, root.fork("prologue"), stage.worn->prologue(stage));
+  const auto begin_with = [&](const face::Motion& motion) {
+    stage.motion = performer::with_prologue(motion, request.prologue, root.fork("prologue"),
+                                            stage.worn->prologue(stage));
+    stage.duration_s = stage.motion.motion.duration_s();
+  };
+  if (request.motion) {
+    MIEN_TRY_ASSIGN(const face::Motion motion, recorded_motion(request, stage.lab, root));
+    begin_with(motion);
+    if (const double end_s = stage.motion.times.motion_start_s + request.motion_s.value_or(0);
+        end_s > stage.duration_s + 1 / kFrameRateHz) {
+      stage.encore = performer::add_encore(stage.motion);
+      stage.duration_s = end_s;
+    }
+  } else {
+    const auto pieces = pieces_of(request, root);
+    begin_with(pieces(0));
+    if (!request.later_scripts.empty()) {
+      stage.duration_s = stage.motion.times.motion_start_s + seconds - 1 / kFrameRateHz;
+      stage.later = performer::LaterPieces{.draw = pieces, .duration_s = stage.duration_s};
+    }
+  }
+  if (!streamed) {
+    if (stage.encore) performer::repeat(stage.motion, *std::exchange(stage.encore, {}), stage.duration_s);
+    if (stage.later) stage.motion = performer::join(std::move(stage.motion), *std::exchange(stage.later, {}));
+    stage.duration_s = stage.motion.motion.duration_s();
+  }
   stage.devices = root.fork("devices");
   return stage;
+}
+
+performer::LongMotion long_motion(const Stage& stage) {
+  if (stage.encore) return {stage.motion, *stage.encore, stage.duration_s};
+  if (stage.later) return {stage.motion, *stage.later};
+  return performer::LongMotion(stage.motion);
 }
 
 Result<VirtualSession> play(const Stage& stage, const Progress& progress) {
   MIEN_TRY_ASSIGN(Sent sent, stage.worn->send(stage, progress));
   return receive_all(std::move(sent), stage.motion, stage.rig);
+}
+
+Result<std::unique_ptr<SessionStream>> stream(const Stage& stage) {
+  if (stage.worn->streams(stage.lab)) return stage.worn->stream(stage);
+  return std::make_unique<WholeSession>(stage);
 }
 
 }  // namespace mien::virt

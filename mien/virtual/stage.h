@@ -12,6 +12,7 @@
 #include "mien/core/random.h"
 #include "mien/core/wav.h"
 #include "mien/face/motion.h"
+#include "mien/performer/long_motion.h"
 #include "mien/performer/prologue.h"
 #include "mien/performer/script.h"
 #include "mien/sensor/rig.h"
@@ -22,13 +23,18 @@
 
 namespace mien::virt {
 
-/// The longest performance, s: two hours take five gigabytes while a take of them is made.
-inline constexpr double kLongestPerformanceS = 7200;
+/// The longest performance, s.
+inline constexpr double kLongestPerformanceS = 10800;
+/// And of what is held whole, s: two hours of IMUs take five gigabytes while they are performed so.
+inline constexpr double kLongestWholeS = 7200;
 
 /// What is performed, on whose skin and through which devices, wherever it goes.
 struct StageRequest {
-  performer::Script script;            ///< What a virtual performer plays, ...
-  std::optional<face::Motion> motion;  ///< ... unless this is performed instead.
+  performer::Script script;  ///< What a virtual performer plays, ...
+  /// ... and then. `script` and each of these but the last are performer::kPieceS long.
+  std::vector<performer::Script> later_scripts;
+  std::optional<face::Motion> motion;  ///< Performed in place of scripts.
+  std::optional<double> motion_s;      ///< The motion is repeated, or cut, to last so long, s.
   std::string script_name;             ///< The block, or the motion's file; for people.
   std::optional<Sound> sound;          ///< What is heard with it, from its start.
   std::string face = "builtin";        ///< As face::load_face takes it.
@@ -54,7 +60,11 @@ struct Stage {
   /// IMUs and cameras are worn at once: the faults of cameras stand in a table of their own.
   bool together = false;
   std::shared_ptr<const WornDevices> worn;  ///< All that the rig has; never null when set.
-  performer::PrologueMotion motion;
+  performer::PrologueMotion motion;         ///< Whole; on a stage that is streamed its first piece.
+  /// How the motion goes on after that, or is repeated; neither: it is whole.
+  std::optional<performer::LaterPieces> later;
+  std::optional<performer::Encore> encore;
+  double duration_s = 0;       ///< Of the motion with its prologue, also where it is not whole.
   Random devices = Random(0);  ///< What the devices' faults are drawn from.
 };
 
@@ -70,15 +80,28 @@ struct FaultsText {
 [[nodiscard]] Result<FaultsText> read_faults(const StageRequest& request, const sensor::Rig& rig,
                                              std::string_view table = {});
 
+/// How much of a long performance a stage holds.
+enum class StageHolds {
+  whole,
+  piece,  ///< The first piece, where the devices can be streamed: for stream() alone.
+};
+
 /// Reads rig, faults and face, draws the performer and places the sensors. Errors: those of the readers;
 /// not_found (no such devices); bad_usage (eyewear or cameras in the profile *lab*, or on skin unlike
 /// the face's; a headset's failure without one; a microphone, a phone, or a camera beside IMUs, that is the
 /// reference); unsupported (several kinds at once but for cameras beside IMUs, microphones and a phone);
 /// out_of_range (too long; a failure that begins when it is over).
-[[nodiscard]] Result<Stage> set_stage(const StageRequest& request);
+[[nodiscard]] Result<Stage> set_stage(const StageRequest& request, StageHolds holds = StageHolds::whole);
+
+/// The motion on its stage.
+[[nodiscard]] performer::LongMotion long_motion(const Stage& stage);
 
 /// The whole performance on its stage, as a session with the rig receives it; `progress` hears of devices'.
 /// Errors: those of WornDevices::send().
 [[nodiscard]] Result<VirtualSession> play(const Stage& stage, const Progress& progress = no_progress);
+
+/// The same stretch by stretch, or where its devices cannot be streamed in one. The stage outlives it.
+/// Errors: those of WornDevices::stream().
+[[nodiscard]] Result<std::unique_ptr<SessionStream>> stream(const Stage& stage);
 
 }  // namespace mien::virt

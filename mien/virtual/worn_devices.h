@@ -29,6 +29,22 @@ struct Sent {
   std::vector<take::Event> events;  ///< What befell the devices, beside the prologue's; on that clock.
 };
 
+/// A part of a session, after what came before it.
+struct Stretch {
+  VirtualSession session;  ///< Entries and ticks are numbered on; events come with the first.
+  std::vector<take::CalibrationVersion> calibrations;
+  double share = 1;  ///< Of the whole that is performed by its end, 0 to 1.
+};
+
+/// A session that is simulated and received stretch by stretch, in memory that does not grow with its length.
+class SessionStream {
+ public:
+  virtual ~SessionStream() = default;
+  /// Until done(). Errors: those of WornDevices::send().
+  [[nodiscard]] virtual Result<Stretch> next(const Progress& progress) = 0;
+  [[nodiscard]] virtual bool done() const = 0;
+};
+
 /// The language of nodes on the network.
 enum class NodeLanguage {
   mien,     ///< Our own packets, of IMUs, of eyewear and of microphones.
@@ -71,6 +87,11 @@ class WornDevices {
   /// a rig with nothing but these devices.
   [[nodiscard]] virtual std::vector<take::CalibrationVersion> calibrations(
       const Stage& stage, const VirtualSession& session) const = 0;
+  /// Whether stream() can be asked for, in this profile.
+  [[nodiscard]] virtual bool streams([[maybe_unused]] bool lab) const { return false; }
+  /// What is received of them, and their calibrations, stretch by stretch. The stage outlives the stream.
+  /// Errors: unsupported, Reception::create's.
+  [[nodiscard]] virtual Result<std::unique_ptr<SessionStream>> stream(const Stage& stage) const;
   /// Whether they send nothing by themselves and wait to be asked, as cameras do: they are offered on the
   /// network otherwise than by on_network(), which then fails.
   [[nodiscard]] virtual bool are_asked() const { return false; }

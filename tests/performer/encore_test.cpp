@@ -59,5 +59,32 @@ TEST(Encore, HasNoSeam) {
   }
 }
 
+TEST(Encore, RepeatedInMemoryIsWhatIsPlayed) {
+  PrologueMotion motion = walking();
+  const Encore encore = add_encore(motion);
+  const face::MotionCurve curve(motion.motion);
+  const double end_s = encore.begin_s + 8;  // Two rounds and two thirds.
+  PrologueMotion repeated = motion;
+  repeat(repeated, encore, end_s);
+  EXPECT_NEAR(repeated.motion.duration_s(), end_s, 1.0 / 60);
+  EXPECT_LE(repeated.motion.duration_s(), end_s);
+  double before_s = -1;
+  for (const face::MotionFrame& frame : repeated.motion.frames) {
+    ASSERT_GT(frame.time_s, before_s);
+    before_s = frame.time_s;
+    const face::MotionFrame played = encore.at(curve, frame.time_s);
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      ASSERT_NEAR(frame.weights[k], played.weights[k], 1e-5) << frame.time_s;
+    ASSERT_LT((frame.head_position_m - played.head_position_m).norm(), 1e-6) << frame.time_s;
+  }
+}
+
+TEST(Encore, OfAMotionThatIsLongEnoughCutsIt) {
+  PrologueMotion motion = walking();
+  const Encore encore = add_encore(motion);
+  repeat(motion, encore, encore.begin_s + 1);
+  EXPECT_LE(motion.motion.duration_s(), encore.begin_s + 1);
+}
+
 }  // namespace
 }  // namespace mien::performer::encore_test

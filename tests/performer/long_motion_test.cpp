@@ -67,6 +67,37 @@ TEST(LongMotion, PiecesJoinWithoutASeam) {
   expect_no_seam(motion, motion.prologue().motion_start_s, motion.duration_s() + 1);
 }
 
+TEST(LongMotion, JoinedInMemoryIsWhatIsPlayed) {
+  LongMotion played = three_pieces();
+  const PrologueMotion joined = join(
+      first_piece(), {.draw = [](std::size_t index) { return index < 3 ? piece(index) : face::Motion(); },
+                      .piece_s = kShortS});
+  EXPECT_EQ(joined.motion.duration_s(), played.duration_s());
+  double before_s = -1;
+  for (const face::MotionFrame& frame : joined.motion.frames) {
+    ASSERT_GT(frame.time_s, before_s);
+    before_s = frame.time_s;
+    ASSERT_EQ(played.at(frame.time_s).weights, frame.weights) << frame.time_s;
+  }
+}
+
+TEST(PieceScripts, OfTenMinutesIsTheScript) {
+  for (const double seconds : {1.0, 60.0, kPieceS}) {
+    const std::vector<Script> scripts = piece_scripts(Block::mixed, seconds);
+    ASSERT_EQ(scripts.size(), 1U);
+    EXPECT_EQ(scripts.front().segments.size(), default_script(Block::mixed, seconds).segments.size());
+    EXPECT_EQ(scripts.front().duration_s(), default_script(Block::mixed, seconds).duration_s());
+  }
+}
+
+TEST(PieceScripts, OfThreeHoursAreEighteenOfTenMinutes) {
+  const std::vector<Script> scripts = piece_scripts(Block::mixed, 10'800);
+  ASSERT_EQ(scripts.size(), 18U);
+  for (const Script& script : scripts) EXPECT_NEAR(script.duration_s(), kPieceS, 1e-6);
+  EXPECT_EQ(piece_scripts(Block::free, 601).size(), 2U);
+  EXPECT_NEAR(piece_scripts(Block::free, 601).back().duration_s(), 1, 1e-9);
+}
+
 TEST(LongMotion, EachPieceIsPlayedAfterItsFirstSecond) {
   LongMotion motion = three_pieces();
   for (std::size_t index = 1; index < 3; ++index) {

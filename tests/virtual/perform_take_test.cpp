@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <iterator>
 
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
@@ -159,6 +162,66 @@ TEST_F(PerformTake, AMisplacedSensorFeelsAnotherPatchOfSkin) {
 TEST_F(PerformTake, RefusesAPerformanceOfDays) {
   request_.motion->frames.back().time_s = 3 * 86'400;
   expect_refused("talking.csv");
+}
+
+TEST_F(PerformTake, RefusesMoreHoursThanAreHeldWhole) {
+  request_.motion_s = kLongestWholeS + 1;
+  expect_refused("7200");
+  expect_refused("IMUs alone");
+  request_.devices = "device";
+  request_.motion_s = kLongestPerformanceS + 1;
+  expect_refused("10800");
+}
+
+TEST_F(PerformTake, AMotionIsRepeatedForAsLongAsItIsToLast) {
+  const double once_s = request_.motion->duration_s();
+  request_.replace = true;
+  for (const char* devices : {"lab", "device"})
+    for (const double seconds : {0.4 * once_s, 10.0}) {
+      request_.devices = devices;
+      request_.motion_s = seconds;
+      const PerformSummary summary = perform_take(request_, no_progress).value();
+      const auto truth = take::Take::open(request_.take).value().truth().value();
+      std::vector<take::TruthFrame> motion;
+      std::ranges::copy_if(truth, std::back_inserter(motion), &take::TruthFrame::evaluated);
+      ASSERT_FALSE(motion.empty());
+      EXPECT_NEAR(to_seconds(motion.back().time - motion.front().time), seconds, 2.0 / 60);
+      EXPECT_GE(summary.duration_s, seconds);
+      const auto round = static_cast<std::size_t>(std::lround(60 * (once_s + performer::kReturnS)));
+      for (std::size_t i = 0; i + round < motion.size(); ++i)
+        for (std::size_t k = 0; k < face::kShapeCount; ++k)
+          ASSERT_NEAR(motion[i + round].weights[k], motion[i].weights[k], 0.02) << devices << " " << i;
+    }
+}
+
+TEST_F(PerformTake, ALongScriptGoesOnWhereItsFirstPieceEnds) {
+  request_.motion.reset();
+  request_.devices = "device";
+  request_.prologue = performer::PrologueKind::none;
+  std::vector<performer::Script> scripts =
+      performer::piece_scripts(performer::Block::free, performer::kPieceS + 3);
+  request_.script = scripts[0];
+  request_.later_scripts = {scripts[1]};
+  const Stage whole = set_stage(request_).value();
+  EXPECT_EQ(whole.motion.motion.frames.size(), 60 * 603U);
+  const Stage piece = set_stage(request_, StageHolds::piece).value();
+  EXPECT_EQ(piece.motion.motion.frames.size(), 60 * 600U);
+  EXPECT_NEAR(piece.duration_s, whole.duration_s, 1e-9);
+  performer::LongMotion played = long_motion(piece);
+  const face::MotionCurve curve(whole.motion.motion);
+  for (const double t : {0.0, 300.0, 599.9, 600.5, 602.0, 602.9})
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      EXPECT_NEAR(played.at(t).weights[k], curve.at(t).weights[k], 1e-5) << t;
+}
+
+TEST_F(PerformTake, PlaysExactlyThreeHours) {
+  request_.motion.reset();
+  request_.devices = "device";
+  // Of which only the first, a short one here, is drawn. Their lengths add up to a little more in doubles.
+  request_.later_scripts = performer::piece_scripts(performer::Block::mixed, kLongestPerformanceS);
+  request_.script = performer::default_script(performer::Block::mixed, 1);
+  request_.later_scripts.back().segments.back().duration_s -= 1;
+  EXPECT_TRUE(set_stage(request_, StageHolds::piece));
 }
 
 TEST_F(PerformTake, ProgressOnlyRises) {

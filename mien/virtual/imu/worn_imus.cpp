@@ -1,8 +1,10 @@
 #include "mien/virtual/imu/worn_imus.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "mien/imu/pipeline.h"
 #include "mien/sensor/clock_model.h"
@@ -13,6 +15,7 @@
 #include "mien/virtual/imu/mien_node.h"
 #include "mien/virtual/imu/skin_trajectory.h"
 #include "mien/virtual/imu/slimevr_node.h"
+#include "mien/virtual/imu/streamed_session.h"
 
 namespace mien::virt {
 namespace {
@@ -61,6 +64,55 @@ class ImusOnNetwork final : public NodeDevices {
   std::vector<std::unique_ptr<ImuNode>> nodes_;
 };
 
+/// Makes the calibrations that a session's events and samples give, as they come.
+class Calibrating {
+ public:
+  explicit Calibrating(const sensor::Rig& rig)
+      : pipeline_(rig), lines_(rig.sensors.size(), rig.find(rig.reference)) {}
+  /// What comes next of the session, whose first part has the events.
+  std::vector<take::CalibrationVersion> add(const VirtualSession& next) {
+    for (const take::Event& event : next.events)
+      if (const auto phase = imu::phase_of(event.kind)) pipeline_.mark(*phase, event.begin, event.end);
+    std::vector<take::CalibrationVersion> versions;
+    for (const auto& step : take::replay_order(next.samples, next.ticks)) {
+      if (step.item != nullptr) {
+        lines_.add(step.item->arrival, step.item->sample);
+        pipeline_.add(step.item->sample);
+      }
+      if (step.tick == nullptr) continue;
+      if (pipeline_.tick(step.tick->frame, lines_, frame_).kind == imu::CalibrationChange::Kind::none)
+        continue;
+      versions.push_back({++made_, step.tick->frame, "imu", imu::write_calibration(pipeline_.calibration())});
+    }
+    return versions;
+  }
+
+ private:
+  imu::Pipeline pipeline_;
+  sensor::TimeLines lines_;
+  model::FeatureFrame frame_;
+  std::int64_t made_ = 0;
+};
+
+class ImuStream final : public SessionStream {
+ public:
+  ImuStream(const sensor::Rig& rig, StreamedSession session)
+      : session_(std::move(session)), calibrating_(rig) {}
+  [[nodiscard]] Result<Stretch> next(const Progress&) override {
+    Stretch stretch;
+    MIEN_TRY_ASSIGN(stretch.session, session_.next());
+    stretch.calibrations = calibrating_.add(stretch.session);
+    stretch.share =
+        done() ? 1 : std::clamp(session_.simulated_s() / (session_.duration_s() + kDeviceMarginS), 0.0, 1.0);
+    return stretch;
+  }
+  [[nodiscard]] bool done() const override { return session_.done(); }
+
+ private:
+  StreamedSession session_;
+  Calibrating calibrating_;
+};
+
 }  // namespace
 
 performer::PrologueNeeds WornImus::prologue(const Stage& stage) const {
@@ -75,23 +127,13 @@ Result<Sent> WornImus::send(const Stage& stage, const Progress& progress) const 
 std::vector<take::CalibrationVersion> WornImus::calibrations(const Stage& stage,
                                                              const VirtualSession& session) const {
   if (stage.lab) return {};
-  imu::Pipeline pipeline(rig_);
-  for (const take::Event& event : session.events)
-    if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
-  std::vector<take::CalibrationVersion> versions;
-  model::FeatureFrame frame;
-  sensor::TimeLines lines(rig_.sensors.size(), rig_.find(rig_.reference));
-  for (const auto& step : take::replay_order(session.samples, session.ticks)) {
-    if (step.item != nullptr) {
-      lines.add(step.item->arrival, step.item->sample);
-      pipeline.add(step.item->sample);
-    }
-    if (step.tick == nullptr) continue;
-    if (pipeline.tick(step.tick->frame, lines, frame).kind == imu::CalibrationChange::Kind::none) continue;
-    versions.push_back({static_cast<std::int64_t>(versions.size()) + 1, step.tick->frame, "imu",
-                        imu::write_calibration(pipeline.calibration())});
-  }
-  return versions;
+  return Calibrating(rig_).add(session);
+}
+
+Result<std::unique_ptr<SessionStream>> WornImus::stream(const Stage& stage) const {
+  MIEN_TRY_ASSIGN(StreamedSession session,
+                  StreamedSession::create(rig_, sites_, faults_, long_motion(stage), stage.devices));
+  return std::make_unique<ImuStream>(rig_, std::move(session));
 }
 
 Result<std::unique_ptr<NodeDevices>> WornImus::on_network(const Stage& stage, const PlayedMotion& motion,

@@ -27,6 +27,9 @@ class WornImus final : public WornDevices {
   /// None in the profile *lab*, where the calibration is the identity.
   [[nodiscard]] std::vector<take::CalibrationVersion> calibrations(
       const Stage& stage, const VirtualSession& session) const override;
+  /// In the profile *device*.
+  [[nodiscard]] bool streams(bool lab) const override { return !lab; }
+  [[nodiscard]] Result<std::unique_ptr<SessionStream>> stream(const Stage& stage) const override;
   [[nodiscard]] Result<std::unique_ptr<NodeDevices>> on_network(const Stage& stage,
                                                                 const PlayedMotion& motion,
                                                                 NodeLanguage language) const override;
