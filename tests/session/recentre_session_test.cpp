@@ -207,6 +207,66 @@ TEST(RecentreSession, AFaceThatSpeaksIsCentredAndItsDriftIsNotCorrected) {
   EXPECT_EQ(run.report.calibration.versions.size(), 2u);
 }
 
+/// A tracker whose sensors are as uncertain as it is told, and whose filter begins anew.
+class Uncertain final : public tracker::Tracker {
+ public:
+  explicit Uncertain(const double& sigma_deg, const std::uint64_t& faults)
+      : sigma_deg_(&sigma_deg), faults_(&faults) {}
+  [[nodiscard]] std::string_view modality() const override { return "imu"; }
+  void add(HostTime, const sensor::Sample&) override {}
+  void forget(std::uint16_t) override {}
+  tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines&, face::OutputFrame& out) override {
+    out = {};
+    out.time = frame;
+    return {};
+  }
+  void guide(tracker::Step, DeviceTime, DeviceTime) override {}
+  void cancel_guidance() override {}
+  [[nodiscard]] tracker::CalibrationState calibration_state() const override { return {}; }
+  [[nodiscard]] std::string calibration() const override { return "{}"; }
+  [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
+  [[nodiscard]] Result<void> restore(std::string_view) override { return {}; }
+  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
+  [[nodiscard]] std::optional<tracker::SensorCertainty> certainty(std::uint16_t sensor) const override {
+    if (sensor == 2) return std::nullopt;
+    return tracker::SensorCertainty{.sigma_rad = kRadPerDeg * *sigma_deg_, .left_out = sensor == kCheek};
+  }
+  [[nodiscard]] std::uint64_t faults() const override { return *faults_; }
+
+ private:
+  const double* sigma_deg_;
+  const std::uint64_t* faults_;
+};
+
+TEST(RecentreSession, IsAdvisedOnceWhereRotationsAreUncertainAndAFaultIsNamed) {
+  double sigma_deg = 6;
+  std::uint64_t faults = 0;
+  Session::Parts parts;
+  parts.rig = virt::test::three_sensors();
+  parts.tracker = std::make_unique<Uncertain>(sigma_deg, faults);
+  const auto session = Session::create(std::move(parts)).value();
+  std::vector<take::Event> events;
+  for (int frame = 0; frame < 60 * 30; ++frame) {
+    if (frame == 600) faults = 2;
+    session->tick(DeviceTime(frame_offset(frame)), HostTime(frame_offset(frame)));
+    for (take::Event& event : session->take_events()) events.push_back(std::move(event));
+  }
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].kind, "recentre_advised");
+  EXPECT_NEAR(at_s(events[0]), 10, 1e-6);
+  const Json advised = Json::parse(events[0].json);
+  EXPECT_NEAR(advised["sigma_deg"].get<double>(), 6, 1e-9);
+  EXPECT_EQ(advised["left_out"], Json({"buccinator_L"}));
+  EXPECT_EQ(events[1].kind, "drift_fault");
+  EXPECT_EQ(Json::parse(events[1].json)["count"], 2);
+  Report report;
+  session->report(HostTime(from_seconds(30)), report);
+  EXPECT_TRUE(report.calibration.advises_recentring);
+  EXPECT_EQ(report.calibration.faults, 2U);
+  EXPECT_FALSE(report.calibration.age_s) << "nothing was ever calibrated";
+  EXPECT_FALSE(report.links[2].certainty);
+}
+
 /// A command by OSC at a time, among a log's entries.
 take::LogEntry asked_by_osc(double at_s, const std::string& source, float value = 1) {
   return {0, HostTime(from_seconds(at_s)), source, gaze::test::message("/mien/recentre", {value})};
