@@ -62,7 +62,7 @@ Result<void> write_performance(ExportOptions options) {
   if (table && !options.textures.empty())
     return fail(ErrorCode::bad_usage, "--textures is for glTF", options.out,
                 "write a .glb or .gltf, or leave --textures out");
-  MIEN_TRY_ASSIGN(const Performance performance, load_performance(options.motion));
+  MIEN_TRY_ASSIGN(const Performance performance, load_performance(options.motion, false));
   if (options.face.empty()) options.face = performance.face.empty() ? "builtin" : performance.face;
   if (wants_markers(options))
     MIEN_TRY(write_markers(performance.motion, options));

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <utility>
 
 #include "mien/core/excerpt.h"
@@ -14,13 +16,15 @@ namespace {
 
 /// The part of a take's sound that belongs to the motion: silence before it begins, nothing from before the
 /// motion, nothing where it begins after it.
-std::optional<Sound> sound_from(const take::Audio& audio, DeviceTime start, DeviceTime end) {
+std::optional<Sound> sound_from(take::Audio audio, DeviceTime start, DeviceTime end) {
   if (audio.start >= end) return std::nullopt;
-  Sound sound{.rate_hz = static_cast<std::uint32_t>(audio.rate_hz), .samples = {}};
+  Sound sound{.rate_hz = static_cast<std::uint32_t>(audio.rate_hz), .samples = std::move(audio.samples)};
   const auto shift = static_cast<std::int64_t>(std::llround(to_seconds(audio.start - start) * audio.rate_hz));
-  const auto size = static_cast<std::int64_t>(audio.samples.size());
-  for (std::int64_t i = 0; i < shift + size; ++i)
-    sound.samples.push_back(i < shift ? 0.0F : audio.samples[static_cast<std::size_t>(i - shift)]);
+  if (shift > 0)
+    sound.samples.insert(sound.samples.begin(), static_cast<std::size_t>(shift), 0.0F);
+  else
+    sound.samples.erase(sound.samples.begin(),
+                        sound.samples.begin() + std::min(-shift, std::ssize(sound.samples)));
   return sound;
 }
 
@@ -28,6 +32,7 @@ std::optional<Sound> sound_from(const take::Audio& audio, DeviceTime start, Devi
 
 face::Motion motion_of(std::span<const take::TruthFrame> truth, std::string name) {
   face::Motion motion{.name = std::move(name), .frames = {}};
+  motion.frames.reserve(truth.size());
   for (const take::TruthFrame& frame : truth) {
     face::MotionFrame& out = motion.frames.emplace_back();
     out.time_s = to_seconds(frame.time - truth.front().time);
@@ -38,7 +43,7 @@ face::Motion motion_of(std::span<const take::TruthFrame> truth, std::string name
   return motion;
 }
 
-Result<Performance> load_performance(const std::filesystem::path& path) {
+Result<Performance> load_performance(const std::filesystem::path& path, bool with_sound) {
   Performance performance;
   if (path.extension() != ".mien") {
     std::vector<std::string> warnings;
@@ -54,9 +59,10 @@ Result<Performance> load_performance(const std::filesystem::path& path) {
                 "solve it first: mien solve TAKE --out FILE.csv");
   performance.face = take.header().face;
   performance.motion = motion_of(truth, path.stem().string());
-  MIEN_TRY_ASSIGN(const auto audio, take.audio());
+  if (!with_sound) return performance;
+  MIEN_TRY_ASSIGN(auto audio, take.audio());
   if (audio && audio->rate_hz > 0)
-    performance.sound = sound_from(*audio, truth.front().time, truth.back().time);
+    performance.sound = sound_from(*std::move(audio), truth.front().time, truth.back().time);
   return performance;
 }
 

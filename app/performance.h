@@ -22,8 +22,9 @@ struct Performance {
 /// A track of truth as a motion, from its first frame's time.
 [[nodiscard]] face::Motion motion_of(std::span<const take::TruthFrame> truth, std::string name);
 
-/// Reads a Live Link CSV, saying on stderr what was survived in it, or the truth in a take (.mien). Errors:
-/// the readers', and not_found for a take without truth.
-[[nodiscard]] Result<Performance> load_performance(const std::filesystem::path& path);
+/// Reads a Live Link CSV, saying on stderr what was survived in it, or the truth in a take (.mien), whose
+/// sound may be left out: that of hours takes a gigabyte. Errors: the readers', and not_found for a take
+/// without truth.
+[[nodiscard]] Result<Performance> load_performance(const std::filesystem::path& path, bool with_sound = true);
 
 }  // namespace mien::app

@@ -30,8 +30,7 @@ Result<void> write_motion(const face::Motion& motion, const std::string& face,
                           const std::filesystem::path& path, render::GltfNames names,
                           const std::string& textures) {
   MIEN_TRY(check_gltf_output(path, names, ".csv"));
-  if (path.extension() == ".csv")
-    return write_file(path, face::format_livelink_csv(face::livelink_from_motion(motion)));
+  if (path.extension() == ".csv") return write_file(path, face::format_livelink_csv(motion));
   MIEN_TRY_ASSIGN(const TexturedFace model, textured_face(face, textures));
   return render::write_gltf(path, model.face, &motion, names, model.textures);
 }

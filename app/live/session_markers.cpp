@@ -28,10 +28,8 @@ class NoConsumer final : public session::SampleConsumer {
 /// The track with its times on the take's line; frames before both clocks are known are left out. What was
 /// known of the clocks at the first tick after a frame came places it. Errors: the take's,
 /// Receiver::create's.
-Result<mocap::MarkerTrack> on_line(const mocap::MarkerLog::Received& received, const take::Take& take,
-                                   std::span<const take::LogEntry> entries) {
+Result<mocap::MarkerTrack> on_line(const mocap::MarkerLog::Received& received, const take::Take& take) {
   MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
-  MIEN_TRY_ASSIGN(take::PayloadReader payloads, take.payloads());
   MIEN_TRY_ASSIGN(modalities::Protocols protocols, modalities::make_protocols());
   MIEN_TRY_ASSIGN(const std::unique_ptr<session::Receiver> receiver,
                   session::Receiver::create(take.rig(), std::move(protocols)));
@@ -53,12 +51,11 @@ Result<mocap::MarkerTrack> on_line(const mocap::MarkerLog::Received& received, c
     }
   };
   NoConsumer nobody;
-  MIEN_TRY_ASSIGN(
-      [[maybe_unused]] const bool whole,
-      session::replay_samples(entries, ticks, payloads, *receiver, nobody, [&](const take::Tick& tick) {
-        place_until(tick.fired);
-        return true;
-      }));
+  MIEN_TRY_ASSIGN([[maybe_unused]] const bool whole,
+                  session::replay_samples(take, ticks, *receiver, nobody, [&](const take::Tick& tick) {
+                    place_until(tick.fired);
+                    return true;
+                  }));
   place_until(HostTime::max());
   return track;
 }
@@ -80,7 +77,7 @@ Result<SessionMarkers> session_markers(const take::Take& take, const MarkerImpor
                 take.path().string(),
                 "a motion capture server sends names and positions to a port of mien live: "
                 "docs/reference/protocol.md");
-  MIEN_TRY_ASSIGN(const mocap::MarkerTrack track, on_line(received.front(), take, entries));
+  MIEN_TRY_ASSIGN(const mocap::MarkerTrack track, on_line(received.front(), take));
   if (track.frames() == 0)
     return fail(ErrorCode::not_found, "no marker came while a sensor was sending", take.path().string());
   markers.begin = device_time(track.time_s.front());

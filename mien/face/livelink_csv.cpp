@@ -168,6 +168,25 @@ std::vector<std::size_t> longest_rising(const std::vector<double>& time_s) {
   return run;
 }
 
+LiveLinkRow row_of(const MotionFrame& frame, bool has_head, bool clamp_mouth_close) {
+  LiveLinkRow row;
+  row.timecode = timecode_at(frame.time_s);
+  row.timecode_text = format_timecode(row.timecode);
+  if (!frame.has_face) return row;
+  const ArkitWeights arkit = arkit_from_ict(frame.weights, frame.tongue_out, clamp_mouth_close);
+  row.values.assign(arkit.values.begin(), arkit.values.end());
+  const Vec3 head = has_head ? livelink_from_head(frame.head) : Vec3::Zero();
+  row.values.insert(row.values.end(), head.data(), head.data() + 3);
+  const auto weight = [&](std::size_t k) { return static_cast<double>(frame.weights[k]); };
+  row.values.push_back(kEyeTurnRadPerUnit * (weight(shape("eyeLookIn_L")) - weight(shape("eyeLookOut_L"))));
+  row.values.push_back(kEyeTurnRadPerUnit * (weight(shape("eyeLookDown_L")) - weight(shape("eyeLookUp_L"))));
+  row.values.push_back(0);
+  row.values.push_back(kEyeTurnRadPerUnit * (weight(shape("eyeLookOut_R")) - weight(shape("eyeLookIn_R"))));
+  row.values.push_back(kEyeTurnRadPerUnit * (weight(shape("eyeLookDown_R")) - weight(shape("eyeLookUp_R"))));
+  row.values.push_back(0);
+  return row;
+}
+
 }  // namespace
 
 Result<Timecode> parse_timecode(std::string_view text) {
@@ -362,26 +381,22 @@ LiveLinkMotion motion_from_livelink(const LiveLinkCsv& csv, std::string name) {
 LiveLinkCsv livelink_from_motion(const Motion& motion, bool clamp_mouth_close) {
   LiveLinkCsv csv;
   csv.rows.reserve(motion.frames.size());
-  for (const MotionFrame& frame : motion.frames) {
-    LiveLinkRow& row = csv.rows.emplace_back();
-    row.timecode = timecode_at(frame.time_s);
-    row.timecode_text = format_timecode(row.timecode);
-    if (!frame.has_face) continue;
-    const ArkitWeights arkit = arkit_from_ict(frame.weights, frame.tongue_out, clamp_mouth_close);
-    row.values.assign(arkit.values.begin(), arkit.values.end());
-    const Vec3 head = motion.has_head ? livelink_from_head(frame.head) : Vec3::Zero();
-    row.values.insert(row.values.end(), head.data(), head.data() + 3);
-    const auto weight = [&](std::size_t k) { return static_cast<double>(frame.weights[k]); };
-    row.values.push_back(kEyeTurnRadPerUnit * (weight(shape("eyeLookIn_L")) - weight(shape("eyeLookOut_L"))));
-    row.values.push_back(kEyeTurnRadPerUnit *
-                         (weight(shape("eyeLookDown_L")) - weight(shape("eyeLookUp_L"))));
-    row.values.push_back(0);
-    row.values.push_back(kEyeTurnRadPerUnit * (weight(shape("eyeLookOut_R")) - weight(shape("eyeLookIn_R"))));
-    row.values.push_back(kEyeTurnRadPerUnit *
-                         (weight(shape("eyeLookDown_R")) - weight(shape("eyeLookUp_R"))));
-    row.values.push_back(0);
-  }
+  for (const MotionFrame& frame : motion.frames)
+    csv.rows.push_back(row_of(frame, motion.has_head, clamp_mouth_close));
   return csv;
+}
+
+std::string format_livelink_csv(const Motion& motion) {
+  std::string text;
+  append_livelink_header(text);
+  // Hours of rows are not copied while they grow: a row has at most a sign, two digits, a point, ten decimals
+  // and a comma a value.
+  text.reserve(text.size() + motion.frames.size() * (24 + 15 * kLiveLinkValueCount));
+  for (const MotionFrame& frame : motion.frames) {
+    const LiveLinkRow row = row_of(frame, motion.has_head, true);
+    append_livelink_row(row.timecode_text, row.values, text);
+  }
+  return text;
 }
 
 Quat head_from_livelink(const Vec3& yaw_pitch_roll_rad) {

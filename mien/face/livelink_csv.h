@@ -89,6 +89,8 @@ struct LiveLinkMotion {
 /// The recording of a performance, time codes from 00:00:00:00.000 with base 60. Eye angles follow from the
 /// eyeLook weights, kEyeTurnRadPerUnit a unit. `clamp_mouth_close` holds mouthClose to at most jawOpen.
 [[nodiscard]] LiveLinkCsv livelink_from_motion(const Motion& motion, bool clamp_mouth_close = true);
+/// That recording as text, of which only one row is held otherwise.
+[[nodiscard]] std::string format_livelink_csv(const Motion& motion);
 
 /// q_world_head from HeadYaw, HeadPitch, HeadRoll (rad), turned in this order. Their signs are documented
 /// nowhere; they are taken as the eyes' are measured to be: yaw to the performer's right, pitch down, roll to

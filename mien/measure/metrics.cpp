@@ -27,19 +27,30 @@ MeanStd mean_std(std::span<const float> values) {
   return out;
 }
 
-/// Mean length of the third difference of a track of points, mm/s^3. Shape: frames x points.
-double third_difference(std::span<const Vec3f> track_mm, std::size_t points) {
-  const std::size_t frames = track_mm.size() / points;
-  double sum = 0;
-  std::size_t count = 0;
-  for (std::size_t f = 0; f + 3 < frames; ++f)
-    for (std::size_t p = 0; p < points; ++p) {
-      const Vec3f* x = track_mm.data() + f * points + p;
-      sum += (x[3 * points] - 3 * x[2 * points] + 3 * x[points] - x[0]).norm();
-      ++count;
-    }
-  return count == 0 ? 0 : sum / static_cast<double>(count) * 60.0 * 60.0 * 60.0;
-}
+/// Mean length of the third difference of a track of points, mm/s^3, of which the last four frames are held.
+class ThirdDifference {
+ public:
+  explicit ThirdDifference(std::size_t points) : points_(points), last_mm_(4 * points) {}
+  /// Point `p` of frame `f`: frame by frame, all points of each.
+  void set(std::size_t f, std::size_t p, const Vec3f& at_mm) {
+    last_mm_[f % 4 * points_ + p] = at_mm;
+    if (f < 3) return;
+    const auto ago = [&](std::size_t frames) -> const Vec3f& {
+      return last_mm_[(f - frames) % 4 * points_ + p];
+    };
+    sum_ += (ago(0) - 3 * ago(1) + 3 * ago(2) - ago(3)).norm();
+    ++count_;
+  }
+  [[nodiscard]] double mean() const {
+    return count_ == 0 ? 0 : sum_ / static_cast<double>(count_) * 60.0 * 60.0 * 60.0;
+  }
+
+ private:
+  std::size_t points_;
+  std::vector<Vec3f> last_mm_;
+  double sum_ = 0;
+  std::size_t count_ = 0;
+};
 
 constexpr float kShut = 0.5F;
 
@@ -169,8 +180,7 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
   const std::size_t vertices = in_skin_.size();
   for (const Stretch& stretch : stretches) {
     const std::size_t frames = stretch.truth.size();
-    std::vector<Vec3f> truth_track(frames * landmarks_.size());
-    std::vector<Vec3f> estimate_track(truth_track.size());
+    ThirdDifference truth_track(landmarks_.size()), estimate_track(landmarks_.size());
     for (std::size_t first = 0; first < frames; first += kBatch) {
       const std::size_t n = std::min(kBatch, frames - first);
       std::array<Lanes, face::kShapeCount> error{};
@@ -226,8 +236,8 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
           truth += clipped(stretch.truth[f][shapes_.shape[i]]) * shapes_.delta_mm[i];
           estimate += clipped(stretch.estimate[f][shapes_.shape[i]]) * shapes_.delta_mm[i];
         }
-        truth_track[f * landmarks_.size() + p] = truth;
-        estimate_track[f * landmarks_.size() + p] = estimate;
+        truth_track.set(f, p, truth);
+        estimate_track.set(f, p, estimate);
         sum += (estimate - truth).norm();
       }
       if (!landmarks_.empty())
@@ -235,8 +245,8 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
     }
     if (!landmarks_.empty() && frames > 3) {
       const auto weight = static_cast<double>(frames - 3);
-      truth_jitter += weight * third_difference(truth_track, landmarks_.size());
-      estimate_jitter += weight * third_difference(estimate_track, landmarks_.size());
+      truth_jitter += weight * truth_track.mean();
+      estimate_jitter += weight * estimate_track.mean();
       jitter_frames += frames - 3;
     }
     out.frames += frames;

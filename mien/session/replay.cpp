@@ -32,65 +32,76 @@ void obey(const take::LogEntry& entry, Receiver& receiver, SampleConsumer& consu
   }
 }
 
-/// `payload_of(entry)` gives a Result<sensor::Payload>.
-template <class PayloadOf>
-Result<bool> play_samples(std::span<const take::LogEntry> entries, std::span<const take::Tick> ticks,
-                          Receiver& receiver, SampleConsumer& consumer, PayloadOf payload_of,
-                          const std::function<bool(const take::Tick&)>& ticked) {
-  Peers peers;
-  for (const auto& step : take::replay_order(entries, ticks)) {
-    if (const take::LogEntry* entry = step.item; entry != nullptr) {
-      if (entry->source == kPageSource) {
-        obey(*entry, receiver, consumer);
-      } else {
-        MIEN_TRY_ASSIGN(const sensor::Payload payload, payload_of(*entry));
-        receiver.receive_logged(entry->arrival, peers.of(entry->source), entry->bytes, payload, consumer);
-      }
-    }
-    if (step.tick != nullptr && !ticked(*step.tick)) return false;
+/// What a receiver makes of an entry.
+void receive(const take::LogEntry& entry, const sensor::Payload& payload, Peers& peers, Receiver& receiver,
+             SampleConsumer& consumer) {
+  if (entry.source == kPageSource)
+    obey(entry, receiver, consumer);
+  else
+    receiver.receive_logged(entry.arrival, peers.of(entry.source), entry.bytes, payload, consumer);
+}
+
+/// A take's log in the session's order (take::ReplayOrder), one entry in memory at a time. `received(entry,
+/// payload)` and `ticked(tick)`, which ends it by false.
+template <class Received, class Ticked>
+Result<bool> play_log(const take::Take& take, std::span<const take::Tick> ticks, const Received& received,
+                      const Ticked& ticked) {
+  MIEN_TRY_ASSIGN(take::EntryReader log, take.log());
+  MIEN_TRY_ASSIGN(take::PayloadReader payloads, take.payloads());
+  for (;;) {
+    MIEN_TRY_ASSIGN(const take::LogEntry* const entry, log.next());
+    for (; !ticks.empty() && (entry == nullptr || ticks.front().after_entry < entry->id);
+         ticks = ticks.subspan(1))
+      if (!ticked(ticks.front())) return false;
+    if (entry == nullptr) return true;
+    MIEN_TRY_ASSIGN(const sensor::Payload payload, payloads.of(entry->id));
+    received(*entry, payload);
   }
-  return true;
 }
 
 }  // namespace
 
 Result<void> replay(const take::Take& take, Session& session,
                     const std::function<bool(const take::Tick&, const face::OutputFrame&)>& seen) {
-  MIEN_TRY_ASSIGN(const std::vector<take::LogEntry> entries, take.entries());
   MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
   if (ticks.empty())
     return fail(ErrorCode::not_found, "the take has no frames", take.path().string(), "record it again");
-  MIEN_TRY_ASSIGN(take::PayloadReader payloads, take.payloads());
   Peers peers;
-  for (const auto& step : take::replay_order(entries, ticks)) {
-    if (const take::LogEntry* entry = step.item; entry != nullptr) {
-      if (entry->source == kPageSource) {
-        // What failed then fails again, and changes as little.
-        [[maybe_unused]] const auto done = session.command(entry->arrival, as_text(entry->bytes));
-      } else {
-        MIEN_TRY_ASSIGN(const sensor::Payload payload, payloads.of(entry->id));
-        session.receive_logged(entry->arrival, peers.of(entry->source), entry->bytes, payload);
-      }
+  const auto received = [&](const take::LogEntry& entry, const sensor::Payload& payload) {
+    if (entry.source == kPageSource) {
+      // What failed then fails again, and changes as little.
+      [[maybe_unused]] const auto done = session.command(entry.arrival, as_text(entry.bytes));
+    } else {
+      session.receive_logged(entry.arrival, peers.of(entry.source), entry.bytes, payload);
     }
-    if (step.tick == nullptr) continue;
-    if (!seen(*step.tick, session.tick(step.tick->frame, step.tick->fired)))
-      return fail(ErrorCode::cancelled, "stopped", take.path().string());
-  }
+  };
+  MIEN_TRY_ASSIGN(const bool whole, play_log(take, ticks, received, [&](const take::Tick& tick) {
+                    return seen(tick, session.tick(tick.frame, tick.fired));
+                  }));
+  if (!whole) return fail(ErrorCode::cancelled, "stopped", take.path().string());
   return {};
 }
 
 bool replay_samples(std::span<const take::LogEntry> entries, std::span<const take::Tick> ticks,
                     Receiver& receiver, SampleConsumer& consumer,
                     const std::function<bool(const take::Tick&)>& ticked) {
-  const auto none = [](const take::LogEntry&) -> Result<sensor::Payload> { return sensor::Payload(); };
-  return *play_samples(entries, ticks, receiver, consumer, none, ticked);
+  Peers peers;
+  for (const auto& step : take::replay_order(entries, ticks)) {
+    if (step.item != nullptr) receive(*step.item, {}, peers, receiver, consumer);
+    if (step.tick != nullptr && !ticked(*step.tick)) return false;
+  }
+  return true;
 }
 
-Result<bool> replay_samples(std::span<const take::LogEntry> entries, std::span<const take::Tick> ticks,
-                            take::PayloadReader& payloads, Receiver& receiver, SampleConsumer& consumer,
-                            const std::function<bool(const take::Tick&)>& ticked) {
-  const auto stored = [&](const take::LogEntry& entry) { return payloads.of(entry.id); };
-  return play_samples(entries, ticks, receiver, consumer, stored, ticked);
+Result<bool> replay_samples(const take::Take& take, std::span<const take::Tick> ticks, Receiver& receiver,
+                            SampleConsumer& consumer, const std::function<bool(const take::Tick&)>& ticked) {
+  Peers peers;
+  return play_log(
+      take, ticks,
+      [&](const take::LogEntry& entry, const sensor::Payload& payload) {
+        receive(entry, payload, peers, receiver, consumer);
+      },
+      ticked);
 }
 
 }  // namespace mien::session

@@ -26,9 +26,9 @@ namespace mien::session {
 [[nodiscard]] bool replay_samples(std::span<const take::LogEntry> entries, std::span<const take::Tick> ticks,
                                   Receiver& receiver, SampleConsumer& consumer,
                                   const std::function<bool(const take::Tick&)>& ticked);
-/// The same of entries with their payloads, which are read as they are needed. Errors: the reader's.
-[[nodiscard]] Result<bool> replay_samples(std::span<const take::LogEntry> entries,
-                                          std::span<const take::Tick> ticks, take::PayloadReader& payloads,
+/// The same of a take's log with its payloads, which are read as they are needed. `ticks`: the take's.
+/// Errors: the take's.
+[[nodiscard]] Result<bool> replay_samples(const take::Take& take, std::span<const take::Tick> ticks,
                                           Receiver& receiver, SampleConsumer& consumer,
                                           const std::function<bool(const take::Tick&)>& ticked);
 

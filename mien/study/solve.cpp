@@ -9,7 +9,6 @@
 #include "mien/face/face.h"
 #include "mien/face/frame_hash.h"
 #include "mien/shaping/shaper.h"
-#include "mien/study/imu/trace_features.h"
 #include "mien/tracker/model_input.h"
 
 namespace mien::study {
@@ -59,16 +58,6 @@ void shape(const shaping::ShaperSettings& settings, Solution& solution) {
 
 bool recorded_live(const take::Take& take) {
   return take.header().devices == "live";
-}
-
-Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take) {
-  MIEN_TRY_ASSIGN(const std::vector<take::LogEntry> entries, take.entries());
-  MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
-  MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
-  if (ticks.empty())
-    return fail(ErrorCode::not_found, "the take has no frames", take.path().string(),
-                "record or perform it again");
-  return trace_features(take.rig(), events, entries, ticks);
 }
 
 Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver& solver,

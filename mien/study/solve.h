@@ -10,6 +10,7 @@
 #include "mien/face/output_frame.h"
 #include "mien/measure/evaluation.h"
 #include "mien/shaping/settings.h"
+#include "mien/study/imu/trace_features.h"
 #include "mien/take/take.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/personalise.h"
@@ -47,10 +48,6 @@ struct Solution {
 
 /// Whether the take was recorded live: then its answer by a live model is the session's replay (replay_take).
 [[nodiscard]] bool recorded_live(const take::Take& take);
-
-/// Features of a take, one frame a tick: its log received again, as the session received it, with the take's
-/// events as the calibration's marks. Errors: the take's; not_found (no ticks).
-[[nodiscard]] Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take);
 
 /// Solves a whole take with the window network.
 [[nodiscard]] Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver& solver,

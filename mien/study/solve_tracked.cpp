@@ -92,7 +92,6 @@ void guide_by_events(std::span<const take::Event> events, tracker::Tracker& trac
 }
 
 Result<Solution> solve_take(const take::Take& take, tracker::Tracker& tracker, const Progress& progress) {
-  MIEN_TRY_ASSIGN(const std::vector<take::LogEntry> entries, take.entries());
   MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
   if (ticks.empty())
     return fail(ErrorCode::not_found, "the take has no frames", take.path().string(),
@@ -111,15 +110,13 @@ Result<Solution> solve_take(const take::Take& take, tracker::Tracker& tracker, c
   auto calibration = calibrations.begin();
   Result<void> restored;
   face::OutputFrame frame;
-  MIEN_TRY_ASSIGN(take::PayloadReader payloads, take.payloads());
   const auto ticked = [&](const take::Tick& tick) {
     for (; calibration != calibrations.end() && calibration->made <= tick.frame; ++calibration)
       if (restored = tracker.restore(calibration->json); !restored) return false;
     const tracker::TickResult tracked = tracker.tick(tick.frame, receiver->lines(), frame);
     return out.add(frame, tracked.sensors_present);
   };
-  MIEN_TRY_ASSIGN(const bool whole,
-                  session::replay_samples(entries, ticks, payloads, *receiver, feed, ticked));
+  MIEN_TRY_ASSIGN(const bool whole, session::replay_samples(take, ticks, *receiver, feed, ticked));
   MIEN_TRY(restored);
   if (!whole) return fail(ErrorCode::cancelled, "stopped while solving");
   return out.finish(tracker.calibration_state().phase == tracker::CalibrationState::Phase::watching);

@@ -119,16 +119,20 @@ std::vector<EventGroup> group_events(std::span<const Event> events) {
 Result<Summary> summarise(const Take& take) {
   Summary summary;
   {
-    MIEN_TRY_ASSIGN(const auto entries, take.entries());
-    summary.entries = entries.size();
+    MIEN_TRY_ASSIGN(EntryReader log, take.log());
     MIEN_TRY_ASSIGN(PayloadReader payloads, take.payloads());
-    for (const LogEntry& entry : entries) {
-      summary.entry_bytes += entry.bytes.size();
-      MIEN_TRY_ASSIGN(const sensor::Payload payload, payloads.of(entry.id));
+    std::optional<HostTime> first;
+    for (;;) {
+      MIEN_TRY_ASSIGN(const LogEntry* const entry, log.next());
+      if (entry == nullptr) break;
+      ++summary.entries;
+      summary.entry_bytes += entry->bytes.size();
+      MIEN_TRY_ASSIGN(const sensor::Payload payload, payloads.of(entry->id));
       if (!payload.bytes.empty()) ++summary.payloads;
       summary.payload_bytes += payload.bytes.size();
+      if (!first) first = entry->arrival;
+      summary.duration_s = to_seconds(entry->arrival - *first);
     }
-    summary.duration_s = span_s(entries, [](const LogEntry& entry) { return entry.arrival; });
   }
   {
     MIEN_TRY_ASSIGN(const auto ticks, take.ticks());
@@ -141,10 +145,9 @@ Result<Summary> summarise(const Take& take) {
     const auto& sensors = take.rig().sensors;
     std::vector<std::vector<SampleTime>> times(sensors.size());
     std::vector<bool> estimated(sensors.size()), told(sensors.size());
-    MIEN_TRY_ASSIGN(const auto samples, take.samples());
-    summary.samples = samples.size();
     std::int64_t entry = 0;
-    for (const StoredSample& stored : samples) {
+    MIEN_TRY(take.visit_samples([&](const StoredSample& stored) {
+      ++summary.samples;
       const sensor::Sample& sample = stored.sample;
       std::vector<SampleTime>& of = times[sample.sensor];
       if (sample.time_estimated) estimated[sample.sensor] = true;
@@ -153,7 +156,7 @@ Result<Summary> summarise(const Take& take) {
           is_told(sample) && !of.empty() && stored.entry == entry && of.back().time == sample.time;
       entry = stored.entry;
       if (!further_part) of.push_back({sample.time, stored.arrival, sample.sequence});
-    }
+    }));
     for (std::size_t i = 0; i < sensors.size(); ++i) {
       summary.sensors.push_back(summarise_sensor(sensors[i].name, times[i], told[i] && !estimated[i]));
       SensorSummary& sensor = summary.sensors.back();

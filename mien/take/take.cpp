@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "mien/core/excerpt.h"
 #include "mien/take/layout.h"
 #include "mien/take/opening.h"
 
@@ -46,33 +47,45 @@ struct Take::State {
     return last_row[static_cast<std::size_t>(TableId::log)].value_or(0);
   }
 
-  /// Reads a table in the order of its key, up to what was there when the take was opened. `sql` is
-  /// "SELECT key, ... FROM table" without its conditions; `read` turns a row into an item, or rejects the
-  /// row.
-  template <class Item, class Read>
-  [[nodiscard]] Result<std::vector<Item>> read_all(TableId id, std::string_view columns, Read read) const {
+  /// A table in the order of its key, up to what was there when the take was opened. `columns`: those after
+  /// the key. None when the table is empty.
+  [[nodiscard]] Result<std::optional<Statement>> open_rows(TableId id, std::string_view columns) const {
     const Table& table = kTables[static_cast<std::size_t>(id)];
-    std::vector<Item> items;
     const auto last = last_row[static_cast<std::size_t>(id)];
-    if (!last) return items;
+    if (!last) return std::nullopt;
     const std::string sql =
         fmt::format("SELECT {0},{1} FROM {2} WHERE {0}<=?1 ORDER BY {0}", table.key, columns, table.name);
     MIEN_TRY_ASSIGN(Statement statement, open.database.prepare(sql.c_str()));
     statement.bind(1, *last);
+    return statement;
+  }
+
+  /// Goes through such a table: `read(row, key)` of each row, which it may reject.
+  template <class Read>
+  [[nodiscard]] Result<void> visit(TableId id, std::string_view columns, const Read& read) const {
+    MIEN_TRY_ASSIGN(std::optional<Statement> rows, open_rows(id, columns));
+    if (!rows) return {};
     std::optional<std::int64_t> previous;
     for (;;) {
-      const int rc = statement.step();
-      if (rc == SQLITE_DONE) return items;
+      const int rc = rows->step();
+      if (rc == SQLITE_DONE) return {};
       if (rc != SQLITE_ROW) return std::unexpected(open.database.error(rc));
-      Row row(statement, table.name);
+      Row row(*rows, kTables[static_cast<std::size_t>(id)].name);
       // Also what ends the reading of a file whose pages go round in a circle.
-      const std::int64_t key = sqlite3_column_int64(statement.get(), 0);
+      const std::int64_t key = sqlite3_column_int64(rows->get(), 0);
       if (previous && key <= *previous) row.reject(fmt::format("it comes after {}", *previous));
       previous = key;
-      Item item = read(row, key);
+      read(row, key);
       if (!row.ok()) return std::unexpected(row.error(where()));
-      items.push_back(std::move(item));
     }
+  }
+
+  /// Reads such a table; `read` turns a row into an item, or rejects the row.
+  template <class Item, class Read>
+  [[nodiscard]] Result<std::vector<Item>> read_all(TableId id, std::string_view columns, Read read) const {
+    std::vector<Item> items;
+    MIEN_TRY(visit(id, columns, [&](Row& row, std::int64_t key) { items.push_back(read(row, key)); }));
+    return items;
   }
 
   [[nodiscard]] Result<void> read_header();
@@ -175,23 +188,59 @@ bool Take::finished() const {
   return state_->finished;
 }
 
-Result<std::vector<LogEntry>> Take::entries() const {
-  const State& s = *state_;
-  const auto source_count = static_cast<std::int64_t>(s.sources.size());
-  std::int64_t expected = 0;
-  std::int64_t arrival = -kMaxTimeNs;
-  return s.read_all<LogEntry>(TableId::log, "arrival_ns,source,bytes", [&](Row& row, std::int64_t id) {
-    LogEntry entry;
-    entry.id = id;
-    if (id != ++expected) row.reject(fmt::format("entry {} is missing", expected));
-    arrival = row.integer(1, arrival, kMaxTimeNs);
-    entry.arrival = host_time(arrival);
-    const std::int64_t source = row.integer(2, 1, source_count);
-    if (row.ok()) entry.source = s.sources[static_cast<std::size_t>(source - 1)];
+struct EntryReader::State {
+  const Take::State* take = nullptr;
+  std::optional<Statement> rows;  // None: the end.
+  LogEntry entry;
+
+  /// On to the next entry, or to the end.
+  [[nodiscard]] Result<void> advance() {
+    const int rc = rows->step();
+    if (rc == SQLITE_DONE) {
+      rows.reset();
+      return {};
+    }
+    if (rc != SQLITE_ROW) return std::unexpected(take->open.database.error(rc));
+    Row row(*rows, kTables[static_cast<std::size_t>(TableId::log)].name);
+    // Also what ends the reading of a file whose pages go round in a circle.
+    if (sqlite3_column_int64(rows->get(), 0) != ++entry.id)
+      row.reject(fmt::format("entry {} is missing", entry.id));
+    entry.arrival = host_time(row.integer(1, entry.arrival.time_since_epoch().count(), kMaxTimeNs));
+    const std::int64_t source = row.integer(2, 1, static_cast<std::int64_t>(take->sources.size()));
+    if (row.ok()) entry.source = take->sources[static_cast<std::size_t>(source - 1)];
     const auto bytes = row.blob(3, kMaxEntryBytes);
     entry.bytes.assign(bytes.begin(), bytes.end());
-    return entry;
-  });
+    if (!row.ok()) return std::unexpected(row.error(take->where()));
+    return {};
+  }
+};
+
+EntryReader::EntryReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
+EntryReader::EntryReader(EntryReader&&) noexcept = default;
+EntryReader& EntryReader::operator=(EntryReader&&) noexcept = default;
+EntryReader::~EntryReader() = default;
+
+Result<const LogEntry*> EntryReader::next() {
+  if (state_->rows) MIEN_TRY(state_->advance());
+  return state_->rows ? &state_->entry : nullptr;
+}
+
+Result<EntryReader> Take::log() const {
+  auto reader = std::make_unique<EntryReader::State>();
+  reader->take = state_.get();
+  reader->entry.arrival = host_time(-kMaxTimeNs);
+  MIEN_TRY_ASSIGN(reader->rows, state_->open_rows(TableId::log, "arrival_ns,source,bytes"));
+  return EntryReader(std::move(reader));
+}
+
+Result<std::vector<LogEntry>> Take::entries() const {
+  std::vector<LogEntry> entries;
+  MIEN_TRY_ASSIGN(EntryReader reader, log());
+  for (;;) {
+    MIEN_TRY_ASSIGN(const LogEntry* const entry, reader.next());
+    if (entry == nullptr) return entries;
+    entries.push_back(*entry);
+  }
 }
 
 struct PayloadReader::State {
@@ -245,11 +294,11 @@ Result<PayloadReader> Take::payloads() const {
   return PayloadReader(std::move(reader));
 }
 
-Result<std::vector<StoredSample>> Take::samples() const {
+Result<void> Take::visit_samples(const std::function<void(const StoredSample&)>& visit) const {
   const State& s = *state_;
   const auto last_sensor = static_cast<std::int64_t>(s.rig.sensors.size()) - 1;
   std::int64_t entry = 0;
-  return s.read_all<StoredSample>(
+  return s.visit(
       TableId::sample, "entry,arrival_ns,sensor,kind,sequence,time_ns,time_estimated,reading",
       [&](Row& row, std::int64_t) {
         StoredSample stored;
@@ -268,8 +317,14 @@ Result<std::vector<StoredSample>> Take::samples() const {
           row.reject(fmt::format("reading is {} bytes, not whole floats", blob.size()));
         stored.sample.count = static_cast<std::uint8_t>(blob.size() / sizeof(float));
         read_floats(row, 8, blob, std::span(stored.sample.values).first(stored.sample.count), kAnyFinite);
-        return stored;
+        if (row.ok()) visit(stored);
       });
+}
+
+Result<std::vector<StoredSample>> Take::samples() const {
+  std::vector<StoredSample> samples;
+  MIEN_TRY(visit_samples([&](const StoredSample& sample) { samples.push_back(sample); }));
+  return samples;
 }
 
 Result<std::vector<Tick>> Take::ticks() const {
@@ -382,12 +437,18 @@ Result<void> Take::check() const {
   const State& s = *state_;
   MIEN_TRY_ASSIGN(const std::string verdict, s.open.database.read_text("PRAGMA integrity_check(1)"));
   MIEN_TRY(judge_pages(verdict, s.where()));
-  MIEN_TRY(entries());
+  {
+    MIEN_TRY_ASSIGN(EntryReader reader, log());
+    const LogEntry* entry = nullptr;
+    do {
+      MIEN_TRY_ASSIGN(entry, reader.next());
+    } while (entry != nullptr);
+  }
   {
     MIEN_TRY_ASSIGN(PayloadReader reader, payloads());
     MIEN_TRY(reader.of(s.entry_count()));  // Passes over, and so checks, all that come before.
   }
-  MIEN_TRY(samples());
+  MIEN_TRY(visit_samples([](const StoredSample&) {}));
   MIEN_TRY(ticks());
   MIEN_TRY(truth());
   MIEN_TRY(events());

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -151,6 +152,23 @@ class TakeWriter {
   std::unique_ptr<State> state_;
 };
 
+/// A take's log, read one entry at a time: a session of hours has millions. The take outlives its reader.
+/// Thread: the take's.
+class EntryReader {
+ public:
+  EntryReader(EntryReader&&) noexcept;
+  EntryReader& operator=(EntryReader&&) noexcept;
+  ~EntryReader();
+  /// The next one; null after the last. Valid until the next call. Errors: malformed, io.
+  [[nodiscard]] Result<const LogEntry*> next();
+
+ private:
+  friend class Take;
+  struct State;
+  explicit EntryReader(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
 /// The payloads of a take's log, read one at a time as its entries are gone through: they may be many
 /// gigabytes. The take outlives its reader. Thread: the take's.
 class PayloadReader {
@@ -191,10 +209,14 @@ class Take {
   [[nodiscard]] const sensor::Rig& rig() const;
   [[nodiscard]] bool finished() const;  ///< False when the recording was cut off, or is still running.
   [[nodiscard]] Result<std::vector<LogEntry>> entries() const;
+  /// The same from the first on, one at a time.
+  [[nodiscard]] Result<EntryReader> log() const;
   /// What the entries carry beside their bytes, from the first on. A take of before there were payloads has
   /// none.
   [[nodiscard]] Result<PayloadReader> payloads() const;
   [[nodiscard]] Result<std::vector<StoredSample>> samples() const;
+  /// The same, one at a time.
+  [[nodiscard]] Result<void> visit_samples(const std::function<void(const StoredSample&)>& visit) const;
   [[nodiscard]] Result<std::vector<Tick>> ticks() const;
   [[nodiscard]] Result<std::vector<TruthFrame>> truth() const;
   [[nodiscard]] Result<std::vector<Event>> events() const;
@@ -207,6 +229,7 @@ class Take {
   [[nodiscard]] Result<void> check() const;
 
  private:
+  friend class EntryReader;
   friend class PayloadReader;
   struct State;
   static Result<Take> open_and_check(const std::filesystem::path& path);

@@ -339,6 +339,7 @@ TEST(LiveLinkExport, AMotionComesBackAsItWas) {
     frame.tongue_out = static_cast<float>(random.uniform());
     frame.head = head_from_livelink({random.normal(0, 0.3), random.normal(0, 0.2), random.normal(0, 0.1)});
   }
+  EXPECT_EQ(format_livelink_csv(motion), format_livelink_csv(livelink_from_motion(motion)));
   const std::string text = format_livelink_csv(livelink_from_motion(motion, false));
   const LiveLinkMotion back = motion_from_livelink(parsed(text), "back");
   ASSERT_EQ(back.motion.frames.size(), motion.frames.size());

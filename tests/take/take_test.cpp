@@ -52,6 +52,9 @@ TEST(Take, GivesBackAllThatWasWritten) {
     EXPECT_EQ(entry.source, "udp://127.0.0.1:5005");
     EXPECT_EQ(entry.bytes, test::example_bytes(id));
   }
+  EntryReader log = take->log().value();
+  for (const LogEntry& entry : *entries) EXPECT_EQ(log.next().value()->id, entry.id);
+  for (int again = 0; again < 2; ++again) EXPECT_EQ(log.next().value(), nullptr);
   const auto samples = take->samples();
   ASSERT_TRUE(samples) << samples.error().message();
   ASSERT_EQ(samples->size(), 100U);

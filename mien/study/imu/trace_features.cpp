@@ -23,11 +23,11 @@ class Feed final : public session::SampleConsumer {
   imu::Pipeline& pipeline_;
 };
 
-}  // namespace
-
-Result<std::vector<model::FeatureFrame>> trace_features(
-    const sensor::Rig& rig, std::span<const take::Event> events, std::span<const take::LogEntry> entries,
-    std::span<const take::Tick> ticks, const imu::PipelineSettings& settings, imu::Calibration* calibration) {
+/// `replay(receiver, consumer, ticked)` is one of session::replay_samples().
+template <class Replay>
+Result<std::vector<model::FeatureFrame>> trace(const sensor::Rig& rig, std::span<const take::Event> events,
+                                               std::size_t ticks, const imu::PipelineSettings& settings,
+                                               imu::Calibration* calibration, const Replay& replay) {
   MIEN_TRY_ASSIGN(auto protocols, modalities::make_protocols());
   MIEN_TRY_ASSIGN(const auto receiver, session::Receiver::create(rig, std::move(protocols)));
   imu::Pipeline pipeline(sensor::part_of(rig, kImu), settings);
@@ -35,14 +35,37 @@ Result<std::vector<model::FeatureFrame>> trace_features(
     if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
   Feed feed(pipeline);
   std::vector<model::FeatureFrame> frames;
-  frames.reserve(ticks.size());
-  [[maybe_unused]] const bool whole =
-      session::replay_samples(entries, ticks, *receiver, feed, [&](const take::Tick& tick) {
-        pipeline.tick(tick.frame, receiver->lines(), frames.emplace_back());
-        return true;
-      });
+  frames.reserve(ticks);
+  const auto ticked = [&](const take::Tick& tick) {
+    pipeline.tick(tick.frame, receiver->lines(), frames.emplace_back());
+    return true;
+  };
+  MIEN_TRY(replay(*receiver, feed, ticked));
   if (calibration != nullptr) *calibration = pipeline.calibration();
   return frames;
+}
+
+}  // namespace
+
+Result<std::vector<model::FeatureFrame>> trace_features(
+    const sensor::Rig& rig, std::span<const take::Event> events, std::span<const take::LogEntry> entries,
+    std::span<const take::Tick> ticks, const imu::PipelineSettings& settings, imu::Calibration* calibration) {
+  return trace(rig, events, ticks.size(), settings, calibration,
+               [&](session::Receiver& receiver, Feed& feed, const auto& ticked) -> Result<bool> {
+                 return session::replay_samples(entries, ticks, receiver, feed, ticked);
+               });
+}
+
+Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take) {
+  MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
+  MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
+  if (ticks.empty())
+    return fail(ErrorCode::not_found, "the take has no frames", take.path().string(),
+                "record or perform it again");
+  return trace(take.rig(), events, ticks.size(), {}, nullptr,
+               [&](session::Receiver& receiver, Feed& feed, const auto& ticked) {
+                 return session::replay_samples(take, ticks, receiver, feed, ticked);
+               });
 }
 
 std::vector<std::string> traced_sensor_names(const sensor::Rig& rig) {

@@ -20,6 +20,9 @@ namespace mien::study {
     std::span<const take::Tick> ticks, const imu::PipelineSettings& settings = {},
     imu::Calibration* calibration = nullptr);
 
+/// The same of a take, whose log is read one entry at a time. Errors also: the take's; not_found (no frames).
+[[nodiscard]] Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take);
+
 /// Names of the entries of such features: the face's IMUs, whatever else the rig has; empty: it has none.
 [[nodiscard]] std::vector<std::string> traced_sensor_names(const sensor::Rig& rig);
 
