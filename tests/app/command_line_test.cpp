@@ -187,7 +187,7 @@ TEST_F(WrongInput, Performances) {
     return arguments;
   };
   expect_refused({{perform({"--motion", "@none.csv"}), "none.csv"},
-                  {perform({"--motion", "@none.csv", "--seconds", "2"}), "--seconds"},
+                  {perform({"--motion", "@none.csv", "--seconds", "10801"}), "--seconds"},
                   {perform({"--motion", "@none.csv", "--voice", "babble"}), "--voice"},
                   {perform({"--motion", "@kept.mien"}), "kept.mien"},
                   {perform({"--script", "free", "--voice", "espeak"}), "babble"},
@@ -205,6 +205,7 @@ TEST_F(WrongInput, Performances) {
                   {perform({"--devices", "@wrong.toml"}), "gyro_smell"},
                   {perform({"--script", "opera"}), "opera"},
                   {perform({"--seconds", "0"}), "--seconds"},
+                  {perform({"--seconds", "7300"}), "IMUs alone"},
                   {perform({"--seconds", "nan"}), "--seconds"},
                   {perform({"--prologue", "long"}), "long"},
                   {perform({"--pace", "slow"}), "slow"},
