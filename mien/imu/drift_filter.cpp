@@ -66,6 +66,7 @@ DriftFilter::DriftFilter(const DriftSettings& settings, const std::optional<sens
       present_(count_),
       directed_(count_),
       waited_s_(3 * count_),
+      level_(settings.shift, count_),
       turn_rad_(count_, Vec3::Zero()) {
   const auto size = static_cast<Index>(3 * count_), states = static_cast<Index>(5 * count_ + 3);
   covariance_ = Eigen::MatrixXd::Zero(states, states);
@@ -97,6 +98,7 @@ void DriftFilter::start() {
   std::ranges::fill(observed_s_, 0.0);
   since_start_s_ = 0;
   next_ = 0;
+  level_.start(people_rad2_);
   ear_creep_rad_.setZero();
   std::ranges::fill(creep_rad_, Vec3(Vec3::Zero()));
   directed_.assign(count_, false);
@@ -105,6 +107,7 @@ void DriftFilter::start() {
 }
 
 void DriftFilter::move_to(std::size_t sensor, double heading_rad, double sigma_rad) {
+  level_.interrupt();
   heading_rad_[sensor] = wrapped(heading_rad);
   rate_rad_s_[sensor] = 0;
   const auto heading = static_cast<Index>(sensor);
@@ -122,6 +125,7 @@ void DriftFilter::inflate(std::size_t sensor, double sigma_rad) {
 }
 
 void DriftFilter::turn_all(double by_rad, double sigma_rad) {
+  if (by_rad != 0) level_.interrupt();
   for (double& heading : heading_rad_) heading = wrapped(heading + by_rad);
   const auto n = static_cast<Index>(count_);
   covariance_.topLeftCorner(n, n).array() += sigma_rad * sigma_rad;
@@ -199,10 +203,11 @@ void DriftFilter::learn(double dt_s) {
     deviation_rad_.segment<3>(at).setZero();
     if (!present_[i]) continue;
     observed_s_[i] += dt_s;
+    const Vec3 level_rad = turn_rad_[i] - level_.offset_rad().segment<3>(at);
     if (observed_s_[i] < settings_.mean_s)
       mean_rad_.segment<3>(at) +=
-          (dt_s / (kFirstMean_s + observed_s_[i])) * (turn_rad_[i] - mean_rad_.segment<3>(at));
-    deviation_rad_.segment<3>(at) = turn_rad_[i] - mean_rad_.segment<3>(at);
+          (dt_s / (kFirstMean_s + observed_s_[i])) * (level_rad - mean_rad_.segment<3>(at));
+    deviation_rad_.segment<3>(at) = level_rad - mean_rad_.segment<3>(at);
   }
   for (std::size_t i = 0; i < count_; ++i)
     for (std::size_t j = 0; present_[i] && j < count_; ++j) {
@@ -227,6 +232,7 @@ void DriftFilter::find_directions() {
     distribution_rad2_.block<3, 3>(at, at) = kMissingRad2 * Mat3::Identity();
   }
   directions_.compute(distribution_rad2_);
+  if (present_ != directed_) level_.interrupt();
   directed_ = present_;
   directions_s_ = changed_s_ = 0;
   std::ranges::fill(waited_s_, 0.0);
@@ -264,6 +270,7 @@ void DriftFilter::add_skin(double dt_s, std::span<const std::optional<Vec3>> tur
   }
   for (double& waited : waited_s_) waited += dt_s;
   if (present_ != directed_) return;
+  level_.add(dt_s, deviation_rad_, directions_, 0.5 * kMissingRad2);
 
   along_rad_.noalias() = directions_.eigenvectors().transpose() * deviation_rad_;
   const double least_rad2 = settings_.least_sigma_rad * settings_.least_sigma_rad;
@@ -318,6 +325,7 @@ void DriftFilter::measure(Index direction, double strength2, std::span<const dou
     return;
   }
   const double correlation_s =
+      level_.variance_factor(directions_.eigenvectors().col(direction)) *
       std::min(settings_.correlation_s, settings_.first_correlation_s + kCorrelationGrowth * since_start_s_);
   correct(innovation_rad, noise_rad2 * correlation_s / waited_s);
 }
@@ -382,6 +390,7 @@ void DriftFilter::correct_ear_by_rest(std::span<const Vec3> turn_rad, std::span<
 void DriftFilter::observe_rest(std::span<const std::optional<Vec3>> turn_rad,
                                std::span<const double> sigma_rad, const Vec3& up) {
   // At rest nothing is held.
+  level_.start(people_rad2_);
   std::vector<Resting> resting;
   for (std::size_t i = 0; i < count_; ++i) {
     if (!turn_rad[i]) continue;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mien/core/rotation.h"
+#include "mien/imu/level_shift.h"
 #include "mien/imu/nod_watch.h"
 #include "mien/sensor/rig.h"
 
@@ -62,6 +63,8 @@ struct DriftSettings {
   /// Memory of the covariance, s. Raising: what a wearer does is forgotten later. Lowering: the covariance
   /// follows what he does now.
   double memory_s = 1200;
+  /// Expressions that are held: what they add to the skin's rotation is not taken for drift.
+  LevelShiftSettings shift;
 };
 
 /// One Kalman filter of everything that drifts between the sensors of a face after a calibration. States: for
@@ -171,6 +174,7 @@ class DriftFilter {
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions_;
   std::vector<double> waited_s_;  // By direction, since its last measurement.
   std::size_t next_ = 0;
+  LevelShift level_;
 
   // Of the present frame; members, so that nothing is allocated.
   Eigen::MatrixXd distribution_rad2_;

@@ -211,6 +211,7 @@ TEST(DriftFilter, KeepsAnExpressionThatIsHeld) {
   DriftSettings eager;
   eager.correlation_s = 2;
   eager.gate = 100;
+  eager.shift.gate = 0;
   for (Eigen::Index muscle = 0; muscle < kMuscles; ++muscle)
     for (const double sign : {1.0, -1.0}) {
       const double kept = kept_of_expression({}, muscle, sign);
