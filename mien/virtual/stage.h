@@ -25,7 +25,7 @@ namespace mien::virt {
 
 /// The longest performance, s.
 inline constexpr double kLongestPerformanceS = 10800;
-/// And of what is held whole, s: two hours of IMUs take five gigabytes while they are performed so.
+/// And of what is held whole, s: two hours take three gigabytes (lab) to eight (IMUs and a microphone).
 inline constexpr double kLongestWholeS = 7200;
 
 /// What is performed, on whose skin and through which devices, wherever it goes.
