@@ -31,6 +31,9 @@ study::HoursPiece hours_piece_of(const Json& json) {
                           .worst_shape = face::shape_index(json.at("worst_shape").get<std::string>()),
                           .worst_bias = json.at("worst_bias"),
                           .rotation_rms_deg = json.at("rotation_rms_deg"),
+                          .vertical_rms_deg = json.at("vertical_rms_deg"),
+                          .sensor_rms_deg = json.at("sensor_rms_deg"),
+                          .frozen_sensor_rms_deg = json.at("frozen_sensor_rms_deg"),
                           .nees = json.at("nees"),
                           .missing = json.at("missing")};
   for (const Json& held : json.at("held")) piece.held.push_back(hours_errors_of(held));
@@ -55,16 +58,21 @@ Json hours_json(const study::HoursRun& run) {
                       {"worst_shape", std::string(face::kShapeNames[piece.worst_shape])},
                       {"worst_bias", piece.worst_bias},
                       {"rotation_rms_deg", piece.rotation_rms_deg},
+                      {"vertical_rms_deg", piece.vertical_rms_deg},
+                      {"sensor_rms_deg", piece.sensor_rms_deg},
+                      {"frozen_sensor_rms_deg", piece.frozen_sensor_rms_deg},
                       {"nees", piece.nees},
                       {"missing", piece.missing},
                       {"held", Json::array()}});
     for (const study::HoursErrors& held : piece.held) pieces.back()["held"].push_back(hours_json(held));
   }
-  return {{"script", run.script}, {"seed", run.seed}, {"pieces", pieces}};
+  return {{"script", run.script}, {"scenario", run.scenario},       {"seed", run.seed},
+          {"sensor", run.sensor}, {"event_end_s", run.event_end_s}, {"pieces", pieces}};
 }
 
 Json hours_json(const study::HoursSummary& summary) {
   return {{"script", summary.script},
+          {"scenario", summary.scenario},
           {"runs", summary.runs},
           {"first_mse", hours_json(summary.first_mse)},
           {"last_mse", hours_json(summary.last_mse)},
@@ -78,7 +86,9 @@ Json hours_json(const study::HoursSummary& summary) {
           {"first_missing", summary.first_missing},
           {"worst_missing", summary.worst_missing},
           {"worst_shape", std::string(face::kShapeNames[summary.worst_shape])},
-          {"worst_bias", summary.worst_bias}};
+          {"worst_bias", summary.worst_bias},
+          {"later_sensor_rms_deg", summary.sensor_deg},
+          {"later_frozen_sensor_rms_deg", summary.frozen_sensor_deg}};
 }
 
 Result<study::HoursRun> parse_hours_run(std::string_view text, const std::string& where) {
@@ -86,7 +96,10 @@ Result<study::HoursRun> parse_hours_run(std::string_view text, const std::string
   try {
     const Json json = Json::parse(text);
     run.script = json.at("script");
+    run.scenario = json.at("scenario");
     run.seed = json.at("seed");
+    run.sensor = json.at("sensor");
+    run.event_end_s = json.at("event_end_s");
     for (const Json& piece : json.at("pieces")) run.pieces.push_back(hours_piece_of(piece));
   } catch (const Json::exception& error) {
     return fail(ErrorCode::malformed, error.what(), where);

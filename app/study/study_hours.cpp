@@ -2,14 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/performance.h"
 #include "app/study/hours_figures.h"
 #include "mien/core/cache_folder.h"
 #include "mien/face/profile.h"
@@ -21,13 +24,18 @@
 namespace mien::app {
 namespace {
 
+/// What is performed where nothing else is asked for.
+constexpr std::array kHoursScripts = {performer::Block::mixed, performer::Block::reading};
+
 struct HoursOptions {
   study::HoursRequest request;
-  std::vector<std::string> scripts = {"mixed", "reading"};
+  std::vector<std::string> scripts;  ///< None, and no motion: kHoursScripts.
+  std::vector<std::string> motions;
+  std::string face;
+  std::vector<std::string> scenarios = {"default"};
   std::vector<std::string> held;
   std::string model;
   std::string rig;
-  bool perfect = false;
   bool json = false;
 };
 
@@ -62,15 +70,19 @@ Result<study::HeldExpression> parse_held(const std::string& text) {
 }
 
 void print(const study::HoursRun& run) {
-  fmt::print("\n{}, seed {}\n{:>7} {:>8} {:>8} {:>8} {:>8} {:>6} {:>8} {:>8} {:>6} {:>8}  {}\n", run.script,
-             run.seed, "minute", "MSE", "lab", "known", "frozen", "ratio", "PVE mm", "rotation", "NEES",
-             "missing", "largest bias");
+  fmt::print("\n{}, {}, seed {}{}\n", run.script, run.scenario, run.seed,
+             run.sensor.empty() ? "" : ", " + run.sensor);
+  fmt::print("{:>7} {:>8} {:>8} {:>8} {:>8} {:>6} {:>8} {:>8} {:>8} {:>6} {:>8}  {}\n", "minute", "MSE",
+             "lab", "known", "frozen", "ratio", "PVE mm", "rotation", "vertical", "NEES", "missing",
+             run.sensor.empty() ? "largest bias" : "sensor, frozen  largest bias");
   for (const study::HoursPiece& piece : run.pieces) {
     fmt::print(
-        "{:7.0f} {:8.4f} {:8.4f} {:8.4f} {:8.4f} {:6.2f} {:8.3f} {:7.2f}° {:6.2f} {:6.1f} %  {} {:+.2f}\n",
+        "{:7.0f} {:8.4f} {:8.4f} {:8.4f} {:8.4f} {:6.2f} {:8.3f} {:7.2f}° {:7.2f}° {:6.2f} {:6.1f} %  ",
         piece.begin_s / 60, piece.mse.device, piece.mse.lab, piece.mse.known, piece.mse.frozen, piece.ratio,
-        piece.pve_mm, piece.rotation_rms_deg, piece.nees, 100 * piece.missing,
-        face::kShapeNames[piece.worst_shape], piece.worst_bias);
+        piece.pve_mm, piece.rotation_rms_deg, piece.vertical_rms_deg, piece.nees, 100 * piece.missing);
+    if (!run.sensor.empty())
+      fmt::print("{:5.2f}°, {:5.1f}°  ", piece.sensor_rms_deg, piece.frozen_sensor_rms_deg);
+    fmt::print("{} {:+.2f}\n", face::kShapeNames[piece.worst_shape], piece.worst_bias);
     for (const study::HoursErrors& held : piece.held)
       fmt::print("{:>7} {:8.3f} {:8.3f} {:8.3f} {:8.3f}\n", "held", held.device, held.lab, held.known,
                  held.frozen);
@@ -78,17 +90,57 @@ void print(const study::HoursRun& run) {
 }
 
 void print(const std::vector<study::HoursSummary>& summaries) {
-  fmt::print("\n{:<16} {:>4} {:>16} {:>16} {:>8} {:>8} {:>6} {:>6} {:>6} {:>13} {:>10} {:>13}  {}\n",
-             "script", "runs", "MSE first, last", "lab", "known", "frozen", "ratio", "<=1.3", "<=1.6",
-             "rotation", "NEES", "missing", "largest bias");
+  fmt::print(
+      "\n{:<16} {:<12} {:>4} {:>16} {:>16} {:>8} {:>8} {:>6} {:>6} {:>6} {:>13} {:>10} {:>14} {:>14}  {}\n",
+      "script", "scenario", "runs", "MSE first, last", "lab", "known", "frozen", "ratio", "<=1.3", "<=1.6",
+      "rotation", "NEES", "missing", "sensor, frozen", "largest bias");
   for (const study::HoursSummary& one : summaries)
     fmt::print(
-        "{:<16} {:>4} {:7.4f}, {:7.4f} {:7.4f}, {:7.4f} {:8.4f} {:8.4f} {:6.2f} {:4.0f} % {:4.0f} % "
-        "{:5.2f}°, {:4.2f}° {:4.2f}, {:4.2f} {:4.1f} %, {:4.1f} %  {} {:+.2f}\n",
-        one.script, one.runs, one.first_mse.device, one.last_mse.device, one.first_mse.lab, one.last_mse.lab,
-        one.last_mse.known, one.last_mse.frozen, one.worst_ratio, 100 * one.within_most, 100 * one.within_all,
-        one.first_rotation_deg, one.worst_rotation_deg, one.least_nees, one.most_nees,
-        100 * one.first_missing, 100 * one.worst_missing, face::kShapeNames[one.worst_shape], one.worst_bias);
+        "{:<16} {:<12} {:>4} {:7.4f}, {:7.4f} {:7.4f}, {:7.4f} {:8.4f} {:8.4f} {:6.2f} {:4.0f} % {:4.0f} % "
+        "{:5.2f}°, {:4.2f}° {:4.2f}, {:4.2f} {:4.1f} %, {:4.1f} % {:>14}  {} {:+.2f}\n",
+        one.script, one.scenario, one.runs, one.first_mse.device, one.last_mse.device, one.first_mse.lab,
+        one.last_mse.lab, one.last_mse.known, one.last_mse.frozen, one.worst_ratio, 100 * one.within_most,
+        100 * one.within_all, one.first_rotation_deg, one.worst_rotation_deg, one.least_nees, one.most_nees,
+        100 * one.first_missing, 100 * one.worst_missing,
+        one.frozen_sensor_deg > 0 ? fmt::format("{:.2f}°, {:.1f}°", one.sensor_deg, one.frozen_sensor_deg)
+                                  : "",
+        face::kShapeNames[one.worst_shape], one.worst_bias);
+}
+
+/// What is performed, by whom and in which scenarios.
+Result<void> read_hours_request(HoursOptions& options) {
+  study::HoursRequest& request = options.request;
+  for (const std::string& script : options.scripts) {
+    MIEN_TRY_ASSIGN(request.scripts.emplace_back(), performer::parse_block(script));
+  }
+  for (const std::string& motion : options.motions) {
+    MIEN_TRY_ASSIGN(Performance performance, load_performance(motion));
+    if (performance.motion.frames.size() < 2)
+      return fail(ErrorCode::out_of_range, "nothing moves: it has fewer than two frames", motion);
+    request.motions.push_back(std::move(performance.motion));
+  }
+  if (request.scripts.empty() && request.motions.empty())
+    request.scripts.assign(kHoursScripts.begin(), kHoursScripts.end());
+  if (!options.face.empty()) {
+    MIEN_TRY_ASSIGN(request.face, chosen_face(options.face, face_progress(options.face)));
+  }
+  request.scenarios.clear();
+  for (const std::string& scenario : options.scenarios) {
+    MIEN_TRY_ASSIGN(request.scenarios.emplace_back(), study::find_hours_scenario(scenario));
+  }
+  for (const std::string& held : options.held) {
+    MIEN_TRY_ASSIGN(request.held.emplace_back(), parse_held(held));
+  }
+  return {};
+}
+
+/// For the help: each scenario with what it is.
+std::string hours_scenario_help() {
+  std::string out = "What happens in the sessions: ";
+  for (const study::HoursScenario& scenario : study::hours_scenarios())
+    out += fmt::format("{}{} ({})", &scenario == study::hours_scenarios().data() ? "" : "; ", scenario.name,
+                       scenario.description);
+  return out;
 }
 
 Result<void> run_study_hours(HoursOptions options) {
@@ -96,13 +148,7 @@ Result<void> run_study_hours(HoursOptions options) {
   MIEN_TRY_ASSIGN(options.model, path_or(options.model, "models/live.safetensors"));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
   MIEN_TRY_ASSIGN(const model::ModelFile model, model::read_model(options.model));
-  for (const std::string& script : options.scripts) {
-    MIEN_TRY_ASSIGN(options.request.scripts.emplace_back(), performer::parse_block(script));
-  }
-  for (const std::string& held : options.held) {
-    MIEN_TRY_ASSIGN(options.request.held.emplace_back(), parse_held(held));
-  }
-  options.request.faults = !options.perfect;
+  MIEN_TRY(read_hours_request(options));
   std::optional<study::HoursCache> cache;
   if (const std::filesystem::path folder = cache_folder(); !folder.empty()) {
     MIEN_TRY_ASSIGN(cache, hours_cache(folder / "hours", options.rig, options.model));
@@ -116,9 +162,9 @@ Result<void> run_study_hours(HoursOptions options) {
   const std::vector<study::HoursSummary> summaries = study::summarise(runs);
   if (options.json) {
     Json out = {
-        {"model", options.model},           {"rig", rig.name},        {"minutes", options.request.minutes},
-        {"faults", options.request.faults}, {"runs", Json::array()},  {"summaries", Json::array()},
-        {"share_within_1.3", most},         {"share_within_1.6", all}};
+        {"model", options.model},     {"rig", rig.name},          {"minutes", options.request.minutes},
+        {"motions", options.motions}, {"face", options.face},     {"runs", Json::array()},
+        {"summaries", Json::array()}, {"share_within_1.3", most}, {"share_within_1.6", all}};
     for (const study::HoursRun& run : runs) out["runs"].push_back(hours_json(run));
     for (const study::HoursSummary& summary : summaries) out["summaries"].push_back(hours_json(summary));
     print_json(out);
@@ -143,13 +189,20 @@ void add_study_hours(Commands& commands, Command study) {
       [options] { return run_study_hours(*options); });
   command.add_option("--model", options->model, "Live model (default: models/live.safetensors)");
   command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
-  command
-      .add_option("--script", options->scripts,
-                  "Scripts, as mien perform has them; each is drawn anew every ten minutes")
-      .show_default();
+  command.add_option(
+      "--script", options->scripts,
+      "Scripts, as mien perform has them; each is drawn anew every ten minutes (default, without "
+      "--motion: mixed reading)");
+  command.add_option("--motion", options->motions,
+                     "Live Link Face CSVs, or takes with truth, each repeated as long as it takes");
+  command.add_option("--face", options->face,
+                     "Everyone's face, as mien face takes it (default: a face of the built-in family each)");
+  command.add_option("--scenario", options->scenarios, hours_scenario_help()).show_default();
   command.add_option("--seed", options->request.first_seed, "Of the first person and his devices")
       .show_default();
-  command.add_option("--seeds", options->request.seeds, "People a script, with this seed and those after it")
+  command
+      .add_option("--seeds", options->request.seeds,
+                  "People a script or motion, with this seed and those after it")
       .in_range(1, 1000)
       .show_default();
   command.add_option("--minutes", options->request.minutes, "Length of each performance after the prologue")
@@ -158,7 +211,6 @@ void add_study_hours(Commands& commands, Command study) {
   command.add_option(
       "--held", options->held,
       "Expressions that are held beside the script: browDown_L+browDown_R=0.7@5-15, in minutes");
-  command.add_flag("--perfect", options->perfect, "Devices without faults");
   command.add_flag("--json", options->json, "Print one JSON object");
 }
 

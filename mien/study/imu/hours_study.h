@@ -9,20 +9,26 @@
 
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
+#include "mien/face/face.h"
+#include "mien/face/motion.h"
 #include "mien/model/model_file.h"
 #include "mien/performer/script.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/imu/hours_motion.h"
+#include "mien/study/imu/hours_scenario.h"
 
 namespace mien::study {
 
-/// Who performs for hours after one calibration, in the rig's *device* profile.
+/// Who performs for hours after one calibration, in the rig's *device* profile: every script and motion in
+/// every scenario, by everyone.
 struct HoursRequest {
-  std::vector<performer::Block> scripts;  ///< At least one.
+  std::vector<performer::Block> scripts;
+  std::vector<face::Motion> motions;  ///< Recorded ones, repeated as long as it takes.
+  std::optional<face::Face> face;     ///< Everyone's; none: a face of their own.
+  std::vector<HoursScenario> scenarios = {hours_scenarios().front()};
   std::uint64_t first_seed = 1;
-  std::size_t seeds = 2;             ///< People a script, 1 or more; each has a face and a style of its own.
+  std::size_t seeds = 2;             ///< People, 1 or more, each with a style and devices of their own.
   double minutes = 180;              ///< Of each performance after the prologue, above 0.
-  bool faults = true;                ///< False: perfect devices at any mounting.
   std::vector<HeldExpression> held;  ///< Of everyone.
   unsigned threads = 0;              ///< 0: one a core.
 };
@@ -47,6 +53,9 @@ struct HoursPiece {
       0;                  ///< The shape whose mean error has grown most since the first piece, less *lab*'s.
   double worst_bias = 0;  ///< By how much.
   double rotation_rms_deg = 0;  ///< Error of the face sensors' skin rotations, frame H.
+  double vertical_rms_deg = 0;  ///< Its part about the vertical, as headings that are off leave it.
+  /// Error of the one sensor to which something happens in the scenario, and the same in *frozen*; 0: none.
+  double sensor_rms_deg = 0, frozen_sensor_rms_deg = 0;
   /// That error squared by the covariance that the drift filter states, over its expectation: 1 is a filter
   /// that knows how wrong it is, above 1 one that is too sure.
   double nees = 0;
@@ -55,8 +64,11 @@ struct HoursPiece {
 };
 
 struct HoursRun {
-  std::string script;  ///< Its name.
+  std::string script;    ///< Its name, or the motion's.
+  std::string scenario;  ///< Its name.
   std::uint64_t seed = 0;
+  std::string sensor;      ///< To which something happens; empty: nothing does.
+  double event_end_s = 0;  ///< When all of that has happened.
   std::vector<HoursPiece> pieces;
 };
 
@@ -70,8 +82,9 @@ struct HoursCache {
 
 /// Performs, receives and measures hours of sessions, a second at a time: memory does not grow with their
 /// length. The same request gives the same figures on any number of threads. Runs that `cache` has are not
-/// performed. Errors: bad_usage (nobody, no script, no time), mismatch (a model that is not causal), those of
-/// the faults, the simulator and the cache; cancelled. Cost: a fortieth of what is performed, on one core.
+/// performed. Errors: bad_usage (nobody, nothing to perform, no time), mismatch (a model that is not causal),
+/// those of the faults, the simulator and the cache; cancelled. Cost: a fortieth of what is performed, on one
+/// core.
 [[nodiscard]] Result<std::vector<HoursRun>> study_hours(const HoursRequest& request, const sensor::Rig& rig,
                                                         const model::ModelFile& model,
                                                         const Progress& progress,

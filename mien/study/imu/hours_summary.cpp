@@ -1,6 +1,7 @@
 #include "mien/study/imu/hours_summary.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 namespace mien::study {
@@ -19,8 +20,16 @@ HoursErrors mean_of(std::span<const HoursRun> runs, const HoursPiece& (*piece)(c
   return {sum.device / count, sum.lab / count, sum.known / count, sum.frozen / count};
 }
 
+/// The one that begins ten minutes after what happens to a sensor, within a minute; the last one if none
+/// does.
+const HoursPiece& piece_after(const HoursRun& run) {
+  for (const HoursPiece& piece : run.pieces)
+    if (piece.begin_s >= run.event_end_s + kPieceS - 60) return piece;
+  return run.pieces.back();
+}
+
 HoursSummary summary_of(std::span<const HoursRun> runs) {
-  HoursSummary out{.script = runs.front().script, .runs = runs.size()};
+  HoursSummary out{.script = runs.front().script, .scenario = runs.front().scenario, .runs = runs.size()};
   out.first_mse = mean_of(runs, [](const HoursRun& run) -> const HoursPiece& { return run.pieces.front(); });
   out.last_mse = mean_of(runs, [](const HoursRun& run) -> const HoursPiece& { return run.pieces.back(); });
   out.within_most = share_within(runs, kRatioOfMost);
@@ -44,6 +53,14 @@ HoursSummary summary_of(std::span<const HoursRun> runs) {
     out.least_nees = p == 0 ? nees : std::min(out.least_nees, nees);
     out.most_nees = std::max(out.most_nees, nees);
   }
+  for (const HoursRun& run : runs) {
+    const HoursPiece& piece = piece_after(run);
+    const auto count = static_cast<double>(runs.size());
+    out.sensor_deg += piece.sensor_rms_deg * piece.sensor_rms_deg / count;
+    out.frozen_sensor_deg += piece.frozen_sensor_rms_deg * piece.frozen_sensor_rms_deg / count;
+  }
+  out.sensor_deg = std::sqrt(out.sensor_deg);
+  out.frozen_sensor_deg = std::sqrt(out.frozen_sensor_deg);
   return out;
 }
 
@@ -52,7 +69,9 @@ HoursSummary summary_of(std::span<const HoursRun> runs) {
 std::vector<HoursSummary> summarise(std::span<const HoursRun> runs) {
   std::vector<HoursSummary> out;
   for (const HoursRun& run : runs) {
-    const auto same = [&run](const auto& other) { return other.script == run.script; };
+    const auto same = [&run](const auto& other) {
+      return other.script == run.script && other.scenario == run.scenario;
+    };
     if (std::ranges::any_of(out, same)) continue;
     std::vector<HoursRun> alike;
     std::ranges::copy_if(runs, std::back_inserter(alike), same);

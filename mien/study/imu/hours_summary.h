@@ -14,7 +14,7 @@ inline constexpr double kRatioOfMost = 1.3, kRatioOfAll = 1.6;
 
 /// Runs of one kind together: figures of a piece are means over the runs.
 struct HoursSummary {
-  std::string script;
+  std::string script, scenario;
   std::size_t runs = 0;
   HoursErrors first_mse, last_mse;  ///< Of the first and of the last ten minutes.
   double worst_ratio = 0;           ///< Largest of any run's pieces.
@@ -27,9 +27,11 @@ struct HoursSummary {
   double worst_missing = 0;              ///< Largest of any run's pieces.
   double worst_bias = 0;                 ///< Largest that grew in any run.
   std::size_t worst_shape = 0;           ///< Of that.
+  /// Of the sensor to which something happens, ten minutes later, and in *frozen*: root mean square.
+  double sensor_deg = 0, frozen_sensor_deg = 0;
 };
 
-/// A summary of each script, in the order in which they first appear.
+/// A summary of each script in each scenario, in the order in which they first appear.
 [[nodiscard]] std::vector<HoursSummary> summarise(std::span<const HoursRun> runs);
 
 /// Share of the runs whose every piece's ratio is at most `limit`.

@@ -61,9 +61,8 @@ void ImuSimulator::follow_skin(const SkinTrajectory& next) {
     track_.turned = track_.turned * exp_rotation(follow * log_rotation(track_.turned.conjugate() * skin));
     track_.moved += follow * (next.position_m[site_][i] - track_.moved);
     track_.slip_rad += slip_.normal_vector(slip_step_rad);
-    track_.orientation.push_back(world_ *
-                                 (next.head[i] * track_.turned * exp_rotation(track_.slip_rad) * mount_));
-    track_.position_m.push_back(world_ * (next.head_position_m[i] + next.head[i] * track_.moved));
+    track_.orientation.push_back(next.head[i] * track_.turned * exp_rotation(track_.slip_rad) * mount_);
+    track_.position_m.push_back(next.head_position_m[i] + next.head[i] * track_.moved);
   }
 }
 
@@ -105,7 +104,9 @@ VirtualPacket ImuSimulator::sample_packet(double begin_s) {
     const Quat before = orientation_at(true_s - period_s / 2);
     const Quat after = orientation_at(true_s + period_s / 2);
     const Quat now = orientation_at(true_s);
-    const Vec3 rate_rad_s = log_rotation(before.conjugate() * after) / period_s;
+    Vec3 rate_rad_s = log_rotation(before.conjugate() * after) / period_s;
+    if (true_s >= felt_.begin_s && true_s < felt_.end_s)
+      rate_rad_s += now.conjugate() * Vec3(0, felt_.rate_rad_s, 0);
     const Vec3 accel_world =
         (position_at(true_s + period_s) - 2 * position_at(true_s) + position_at(true_s - period_s)) /
         (period_s * period_s);

@@ -37,9 +37,12 @@ class ImuSimulator {
   [[nodiscard]] const Vec3& creep_rad() const { return track_.slip_rad; }
   /// The sensor is pushed aside on its skin, from the next stretch on: adds this to the creep, rad.
   void push(const Vec3& turn_rad) { track_.slip_rad += turn_rad; }
-  /// The world is turned about the vertical for this sensor, from the next stretch on, rad: what integrates
-  /// its rates and has not felt that has a heading that is off by so much.
-  void turn_world(double angle_rad) { world_ = exp_rotation({0, angle_rad, 0}) * world_; }
+  /// From `begin_s` to `end_s`, of the trajectory's time and not yet sampled, the gyroscope feels a turn
+  /// about the vertical that the sensor does not make, rad in all: the heading that is integrated is off by
+  /// so much.
+  void feel_turn(double begin_s, double end_s, double angle_rad) {
+    felt_ = {begin_s, end_s, angle_rad / (end_s - begin_s)};
+  }
 
   /// The packets that the skin's next stretch completes, also those that are lost, in the order in which they
   /// are sent. Stretches follow one another without a gap from the trajectory's beginning; in whatever
@@ -63,7 +66,6 @@ class ImuSimulator {
   std::uint16_t site_;
   VirtualClock clock_;
   Quat mount_;  // q_skin_sensor.
-  Quat world_ = Quat::Identity();
   double lag_s_ = 0;
   Vec3 gyro_bias_rad_s_ = Vec3::Zero();
   Vec3 gyro_scale_ = Vec3::Ones();
@@ -82,6 +84,11 @@ class ImuSimulator {
   std::optional<std::int64_t> next_;  // The next packet's first sample, in periods of the device's clock.
   std::uint32_t sequence_ = 0;
   double silent_until_s_ = -1e9;
+
+  struct FeltTurn {
+    double begin_s = 0, end_s = 0;
+    double rate_rad_s = 0;
+  } felt_;
 };
 
 }  // namespace mien::virt

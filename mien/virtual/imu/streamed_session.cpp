@@ -74,15 +74,19 @@ void StreamedSession::befall() {
     };
     const double by = share(now_s) - share(now_s - kSecondS);
     if (by > 0) simulators_[event.sensor].push(by * event.turn_rad);
-    // What is not heard happens in the middle of the silence.
-    if (!event.silent || share(now_s) < 0.5 || share(now_s - kSecondS) >= 0.5) continue;
-    if (event.site) (*sites_)[event.sensor] = *event.site;
-    if (event.heading_rad) {
+    if (!event.silent) continue;
+    // Before it falls silent it feels what the heading is to be off by, and what it will not feel of the
+    // head; half a second earlier, since fusion bridges the gap by the rates at its ends.
+    const double felt_s = event.begin_s - 1.5 * kSecondS;
+    if (event.heading_rad && now_s <= felt_s && now_s > felt_s - kSecondS) {
       const Quat turned =
           motion_->at(start_s + event.end_s).head * motion_->at(start_s + event.begin_s).head.conjugate();
-      simulators_[event.sensor].turn_world(*event.heading_rad -
-                                           log_rotation(twist_about(turned, Vec3::UnitY())).y());
+      simulators_[event.sensor].feel_turn(
+          start_s + felt_s, start_s + felt_s + kSecondS,
+          *event.heading_rad + log_rotation(twist_about(turned, Vec3::UnitY())).y());
     }
+    if (event.site && share(now_s) >= 0.5 && share(now_s - kSecondS) < 0.5)
+      (*sites_)[event.sensor] = *event.site;
   }
 }
 

@@ -27,8 +27,8 @@ struct SensorEvent {
   /// where these are one.
   Vec3 turn_rad = Vec3::Zero();
   bool silent = false;  ///< Nothing is heard of it from begin to end.
-  /// Of a silent one: how far off the heading is that is integrated as if the head had not turned meanwhile,
-  /// rad. None: by how far the head turned.
+  /// Of a silent one: how far off the heading is that is integrated until the end, rad, by a turn that its
+  /// gyroscope wrongly felt shortly before. None: by how far the head turned in the silence.
   std::optional<double> heading_rad;
   std::optional<SkinSite> site;  ///< Of a silent one: it is worn there afterwards.
   bool restarts = false;         ///< Its board begins anew at begin_s.

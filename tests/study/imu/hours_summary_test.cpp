@@ -19,9 +19,9 @@ HoursPiece piece(double mse, double ratio, double nees, double missing, double b
 }
 
 const std::vector<HoursRun> kRuns = {
-    {"mixed", 1, {piece(0.01, 1, 1, 0.01, 0), piece(0.02, 1.2, 2, 0.02, 0.1)}},
-    {"reading", 1, {piece(0.01, 1, 1, 0, 0), piece(0.01, 1, 1, 0, -0.1)}},
-    {"mixed", 2, {piece(0.03, 1, 2, 0.03, 0), piece(0.04, 1.5, 4, 0.01, 0.05)}}};
+    {"mixed", "default", 1, "", 0, {piece(0.01, 1, 1, 0.01, 0), piece(0.02, 1.2, 2, 0.02, 0.1)}},
+    {"reading", "default", 1, "", 0, {piece(0.01, 1, 1, 0, 0), piece(0.01, 1, 1, 0, -0.1)}},
+    {"mixed", "default", 2, "", 0, {piece(0.03, 1, 2, 0.03, 0), piece(0.04, 1.5, 4, 0.01, 0.05)}}};
 
 TEST(HoursSummary, IsOneOfEachScript) {
   const std::vector<HoursSummary> all = summarise(kRuns);
@@ -45,6 +45,22 @@ TEST(HoursSummary, IsOneOfEachScript) {
   EXPECT_EQ(mixed.worst_shape, face::shape("jawOpen"));
   EXPECT_EQ(all.back().script, "reading");
   EXPECT_EQ(all.back().worst_bias, 0) << "no bias grew";
+}
+
+TEST(HoursSummary, ASensorIsJudgedTenMinutesAfterItsEvent) {
+  HoursRun run{.script = "mixed", .scenario = "jump", .seed = 1, .sensor = "mentalis", .event_end_s = 2400};
+  for (int i = 0; i < 8; ++i) {
+    HoursPiece& one = run.pieces.emplace_back(piece(0.01, 1, 1, 0, 0));
+    one.begin_s = kPieceS * i;
+    one.sensor_rms_deg = i;
+    one.frozen_sensor_rms_deg = 2 * i;
+  }
+  const HoursSummary jump = summarise({&run, 1}).front();
+  EXPECT_EQ(jump.scenario, "jump");
+  EXPECT_EQ(jump.sensor_deg, 5);
+  EXPECT_EQ(jump.frozen_sensor_deg, 10);
+  run.scenario = "default";
+  EXPECT_EQ(summarise(std::vector<HoursRun>{run, kRuns[0]}).size(), 1U) << "by script and scenario";
 }
 
 TEST(HoursSummary, OfNoRunsIsNone) {
