@@ -195,8 +195,8 @@ void LevelShift::detect(const Directions& directions, double missing_rad2) {
   changes_s_ += 1;
   change_rad_ /= most;
   changes_rad2_ *= 1 - 1 / (kPriorS + std::min(changes_s_, kMemoryS));
-  changes_rad2_.noalias() += (1 / (kPriorS + std::min(changes_s_, kMemoryS))) * change_rad_ *
-                             change_rad_.transpose();
+  changes_rad2_.noalias() +=
+      (1 / (kPriorS + std::min(changes_s_, kMemoryS))) * change_rad_ * change_rad_.transpose();
   if (any && !expression) interrupt();
 }
 
