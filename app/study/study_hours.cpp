@@ -114,7 +114,7 @@ Result<void> read_hours_request(HoursOptions& options) {
     MIEN_TRY_ASSIGN(request.scripts.emplace_back(), performer::parse_block(script));
   }
   for (const std::string& motion : options.motions) {
-    MIEN_TRY_ASSIGN(Performance performance, load_performance(motion));
+    MIEN_TRY_ASSIGN(Performance performance, load_performance(motion, false));
     if (performance.motion.frames.size() < 2)
       return fail(ErrorCode::out_of_range, "nothing moves: it has fewer than two frames", motion);
     request.motions.push_back(std::move(performance.motion));

@@ -390,7 +390,7 @@ void DriftFilter::correct_ear_by_rest(std::span<const Vec3> turn_rad, std::span<
 void DriftFilter::observe_rest(std::span<const std::optional<Vec3>> turn_rad,
                                std::span<const double> sigma_rad, const Vec3& up) {
   // At rest nothing is held.
-  level_.start(people_rad2_);
+  level_.release();
   std::vector<Resting> resting;
   for (std::size_t i = 0; i < count_; ++i) {
     if (!turn_rad[i]) continue;

@@ -43,6 +43,10 @@ LevelShift::LevelShift(const LevelShiftSettings& settings, std::size_t sensors) 
 void LevelShift::start(const Eigen::MatrixXd& usual_rad2) {
   changes_rad2_ = kPriorShare * usual_rad2;
   changes_s_ = rests_s_ = 0;
+  release();
+}
+
+void LevelShift::release() {
   drop();
   interrupt();
 }
@@ -136,7 +140,7 @@ void LevelShift::shift(const Eigen::VectorXd& direction, double before_rad, doub
   const bool back = std::abs(after_rad) < std::max(kBackShare * std::abs(change_rad), limit_rad);
   offset_rad_ += ((back ? 0 : after_rad) - direction.dot(offset_rad_)) * direction;
   // Not detected twice.
-  seconds_rad_.leftCols(kWindow).colwise() += change_rad * direction;
+  for (Index second = 0; second < kWindow; ++second) seconds_rad_.col(second) += change_rad * direction;
   if (back) return;
   shifted_directions_.col(shifted_++) = direction;
   since_shift_s_ = 0;

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
 #include <cstddef>
-#include <vector>
 
 namespace mien::imu {
 
@@ -33,10 +32,10 @@ struct LevelShiftSettings {
 /// Detects that the level of a signal of many axes (the skin's rotations) has shifted and stays shifted, as
 /// while a performer holds an expression: the means of two windows, 20 s each, one after the other, differ by
 /// more than this wearer's usually do, along one direction in both halves of the later one, and along all
-/// together. Drift cannot do that in seconds. The
-/// offset is the new level; it is followed by its running mean, and dropped once the signal is back, or after
-/// `most_s`. A shift of one sensor alone, or of all alike, is no expression but an adhesive's, and is
-/// ignored. Thread: one at a time. No allocation after construction. Cost: negligible but once a second.
+/// together. Drift cannot do that in seconds. The offset is the new level; it is followed by its running
+/// mean, and dropped once the signal is back; after `most_s` it fades. A shift of one sensor alone, or of all
+/// alike, is no expression but an adhesive's, and is ignored. Thread: one at a time. No allocation after
+/// construction. Cost: negligible but once a second.
 class LevelShift {
  public:
   /// `sensors`: three axes each.
@@ -44,6 +43,8 @@ class LevelShift {
 
   /// Begins anew. `usual_rad2`: how the signal scatters, the prior of its changes.
   void start(const Eigen::MatrixXd& usual_rad2);
+  /// Nothing is held any more; what was learnt of the usual changes stays.
+  void release();
   /// The signal jumped for another reason (states set, other sensors present): windows begin anew.
   void interrupt();
   /// One frame. `deviation_rad`: the signal less its mean and offset_rad(). `directions`: orthonormal, with

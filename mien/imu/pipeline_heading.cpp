@@ -61,7 +61,9 @@ void Pipeline::State::conclude_rest() {
       still_rad[i] = turn_rad;
     }
   }
-  if (!outcome.corrected.empty()) drift.observe_rest(still_rad, sigma_rad, rest_measurement.up());
+  if (outcome.corrected.empty()) return;
+  drift.observe_rest(still_rad, sigma_rad, rest_measurement.up());
+  for (NodWatch& nod : nods) nod.interrupt();
 }
 
 // A restarted board has a new heading but sits where it sat: the heading that brings its skin nearest to

@@ -368,6 +368,8 @@ Result<void> Session::execute(const RestoreCalibration& command) {
 }
 
 Result<void> Session::execute(const Recentre&) {
+  if (guide_.running())
+    return fail(ErrorCode::bad_usage, "a guided calibration is running", kSession, "finish or cancel it");
   MIEN_TRY(check_versions());
   recentre();
   add_event("recentre", newest_frame_, newest_frame_);

@@ -47,7 +47,7 @@ Result<StreamedSession> StreamedSession::create(const sensor::Rig& rig, std::vec
       troubles.restarts.push_back({.sensor = event.sensor, .at_s = start_s + event.begin_s});
   }
   MIEN_TRY_ASSIGN(out.troubled_, TroubledDevices::create(troubles));
-  out.befalls_ = std::move(events);
+  out.sensor_events_ = std::move(events);
   for (std::size_t s = 0; s < out.sites().size(); ++s)
     out.simulators_.emplace_back(faults, static_cast<std::uint16_t>(s), random.fork("sensor", s));
   out.waiting_.resize(out.simulators_.size());
@@ -62,10 +62,10 @@ std::vector<take::Event> StreamedSession::events() const {
   return prologue_events(motion_->prologue(), reference_clock());
 }
 
-void StreamedSession::befall() {
+void StreamedSession::apply_events() {
   const double start_s = motion_->prologue().motion_start_s;
   const double now_s = simulated_s() + 1 / kTrajectoryRateHz - start_s;
-  for (const SensorEvent& event : befalls_) {
+  for (const SensorEvent& event : sensor_events_) {
     const double whole_s = event.end_s - event.begin_s;
     const auto share = [&](double at_s) {
       return whole_s > 0             ? std::clamp((at_s - event.begin_s) / whole_s, 0.0, 1.0)
@@ -91,7 +91,7 @@ void StreamedSession::befall() {
 }
 
 Result<VirtualSession> StreamedSession::next(const StreamConsumer& consumer) {
-  befall();
+  apply_events();
   const SkinTrajectory stretch = tracer_.next(kSecondPoints);
   const HostTime reached(from_seconds(simulated_s() + 1 / kTrajectoryRateHz - kReachedS));
   // As play_devices() has them: those of one moment in the order of the sensors.

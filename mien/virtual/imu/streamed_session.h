@@ -76,7 +76,7 @@ class StreamedSession {
                   std::vector<SkinSite> sites, performer::LongMotion motion);
   [[nodiscard]] const VirtualClock& reference_clock() const;
   /// What happens to sensors in the next second.
-  void befall();
+  void apply_events();
 
   const sensor::Rig* rig_;
   Reception reception_;
@@ -86,7 +86,7 @@ class StreamedSession {
   std::unique_ptr<std::vector<SkinSite>> sites_;
   SkinTracer tracer_;
   DeviceFaults faults_;
-  std::vector<SensorEvent> befalls_;
+  std::vector<SensorEvent> sensor_events_;
   TroubledDevices troubled_;
   std::vector<ImuSimulator> simulators_;
   std::vector<std::vector<Datagram>> waiting_;  // Sent and not received yet, by sensor.
