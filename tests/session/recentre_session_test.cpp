@@ -308,6 +308,15 @@ TEST(RecentreSession, ADatagramAsksForItOnceInFiveSeconds) {
   EXPECT_EQ(again->hash(), run.hash);
 }
 
+TEST(RecentreSession, IsRefusedWithinAGuidedCalibration) {
+  std::vector<Watching::Seen> seen;
+  const auto session = watched_session(seen);
+  ASSERT_TRUE(session->command(HostTime(), R"({"command": "calibrate", "kind": "short"})"));
+  const auto refused = session->command(HostTime(), kRecentre);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().what, "a guided calibration is running");
+}
+
 TEST(RecentreSession, ADatagramDisturbsNoGuidedCalibration) {
   const std::vector<take::LogEntry> entries =
       with(resting_performance(14).entries, {asked_by_osc(16, "udp://192.168.1.9:9001")});
