@@ -53,6 +53,13 @@ double wrapped(double angle) {
   return rest <= -std::numbers::pi ? std::numbers::pi : rest;
 }
 
+/// What a heading error of one radian adds to the rotation vector `turn_rad`: log(exp(e up) exp(r)) to the
+/// first order of e and the second of r.
+Vec3 turn_by_heading(const Vec3& turn_rad, const Vec3& up) {
+  const Vec3 sideways = turn_rad.cross(up);
+  return up - 0.5 * sideways + turn_rad.cross(sideways) / 12;
+}
+
 }  // namespace
 
 DriftFilter::DriftFilter(const DriftSettings& settings, const std::optional<sensor::SkinMotion>& skin,
@@ -243,10 +250,7 @@ void DriftFilter::observe(Index direction, const Vec3& up) {
   for (std::size_t i = 0; i < count_; ++i) {
     if (!present_[i]) continue;
     const Vec3 part = directions_.eigenvectors().col(direction).segment<3>(static_cast<Index>(3 * i));
-    // log(exp(e up) exp(r)) to the first order of e and the second of r.
-    const Vec3& turn = turn_rad_[i];
-    const Vec3 sideways = turn.cross(up);
-    observation_[static_cast<Index>(i)] = part.dot(up - 0.5 * sideways + turn.cross(sideways) / 12);
+    observation_[static_cast<Index>(i)] = part.dot(turn_by_heading(turn_rad_[i], up));
     observation_.segment<3>(creep(i)) = part;
     observation_.segment<3>(ear()) -= part;
   }
@@ -332,10 +336,7 @@ void DriftFilter::measure(Index direction, double strength2, std::span<const dou
 
 void DriftFilter::observe_axis(std::size_t sensor, Index axis, const Vec3& turn_rad, const Vec3& up) {
   observation_.setZero();
-  // As in observe().
-  const Vec3 sideways = turn_rad.cross(up);
-  observation_[static_cast<Index>(sensor)] =
-      up[axis] - 0.5 * sideways[axis] + turn_rad.cross(sideways)[axis] / 12;
+  observation_[static_cast<Index>(sensor)] = turn_by_heading(turn_rad, up)[axis];
   observation_[creep(sensor) + axis] = 1;
   observation_[ear() + axis] = -1;
 }
