@@ -40,12 +40,12 @@ struct HoursOptions {
 };
 
 /// SHAPES=VALUE@BEGIN-END, shapes with a plus between them, times in minutes.
-Result<study::HeldExpression> parse_held(const std::string& text) {
+Result<performer::HeldExpression> parse_held(const std::string& text) {
   const auto wrong = [&](std::string what) {
     return fail(ErrorCode::bad_usage, std::move(what), "--held " + text,
                 "give it as browDown_L+browDown_R=0.7@5-15, in minutes");
   };
-  study::HeldExpression held;
+  performer::HeldExpression held;
   const std::size_t equals = text.find('='), at = text.find('@'),
                     dash = text.find('-', at == std::string::npos ? 0 : at);
   if (equals == std::string::npos || at == std::string::npos || dash == std::string::npos || equals > at)

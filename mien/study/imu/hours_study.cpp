@@ -17,11 +17,11 @@
 #include "mien/measure/metrics.h"
 #include "mien/performer/head_motion.h"
 #include "mien/performer/performer.h"
-#include "mien/study/imu/hours_session.h"
 #include "mien/study/performance.h"
 #include "mien/study/performers.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/virtual/imu/imu_session.h"
+#include "mien/virtual/imu/streamed_session.h"
 
 namespace mien::study {
 namespace {
@@ -111,7 +111,7 @@ class HoursPerformance {
     pipeline_.add(sample);
     frozen_.add(sample);
   }
-  void add(const HoursFrame& frame, const sensor::TimeLines& lines) {
+  void add(const virt::StreamedFrame& frame, const sensor::TimeLines& lines) {
     pipeline_.tick(frame.tick.frame, lines, device_);
     frozen_.tick(frame.tick.frame, lines, frozen_features_);
     lab_.sensors.assign(face_sensors_.size(), {});
@@ -126,7 +126,7 @@ class HoursPerformance {
     }
     for (std::size_t way = 0; way < ways_.size(); ++way) ways_[way].step(*features_[way]);
     if (frame.motion_s < 0) return;
-    if (frame.motion_s >= piece_begin_s_ + kPieceS) end_piece();
+    if (frame.motion_s >= piece_begin_s_ + performer::kPieceS) end_piece();
     for (HoursWay& way : ways_) way.add(frame.weights);
     add_rotations(truth);
     add_held(frame);
@@ -157,11 +157,11 @@ class HoursPerformance {
       ++judged_;
     }
   }
-  void add_held(const HoursFrame& frame) {
+  void add_held(const virt::StreamedFrame& frame) {
     for (HoursWay& way : ways_) way.held.resize(request_.held.size());
     held_frames_.resize(request_.held.size());
     for (std::size_t h = 0; h < request_.held.size(); ++h) {
-      const HeldExpression& held = request_.held[h];
+      const performer::HeldExpression& held = request_.held[h];
       if (frame.motion_s < held.begin_s + kSettledS || frame.motion_s > held.end_s) continue;
       ++held_frames_[h];
       for (HoursWay& way : ways_)
@@ -207,7 +207,7 @@ class HoursPerformance {
         piece.held.push_back(
             each([&](const HoursWay& way) { return way.held[h] / static_cast<double>(held_frames_[h]); }));
     pieces_.push_back(std::move(piece));
-    piece_begin_s_ += kPieceS;
+    piece_begin_s_ += performer::kPieceS;
     frames_ = expected_ = judged_ = 0;
     nees_ = 0;
     rotation_errors_ = vertical_errors_ = sensor_errors_ = frozen_sensor_errors_ = {};
@@ -260,7 +260,7 @@ struct HoursJob {
 std::string key_of(const HoursRequest& request, const HoursJob& job) {
   std::string key =
       fmt::format("{}, {}, seed {}, {} minutes", job.name(), job.scenario->name, job.seed, request.minutes);
-  for (const HeldExpression& held : request.held)
+  for (const performer::HeldExpression& held : request.held)
     key += fmt::format(", held {} at {} from {} to {} s", fmt::join(held.shapes, "+"), held.value,
                        held.begin_s, held.end_s);
   Sha256 hash;
@@ -283,8 +283,8 @@ std::string key_of(const HoursRequest& request, const HoursJob& job) {
   return key + ", " + hash.hex();
 }
 
-HoursMotion motion_of(const HoursRequest& request, const HoursJob& job, const performer::Style& style,
-                      const Random& root) {
+performer::LongMotion motion_of(const HoursRequest& request, const HoursJob& job,
+                                const performer::Style& style, const Random& root) {
   const bool still = job.scenario->head_still;
   const auto keep_still = [still](face::Motion motion) {
     if (still)
@@ -301,8 +301,8 @@ HoursMotion motion_of(const HoursRequest& request, const HoursJob& job, const pe
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   if (job.motion == nullptr) {
     const auto draw = [keep_still, style, root, script = job.script](std::size_t piece) {
-      return keep_still(
-          performer::perform(performer::default_script(script, kPieceS), style, root.fork("piece", piece)));
+      return keep_still(performer::perform(performer::default_script(script, performer::kPieceS), style,
+                                           root.fork("piece", piece)));
     };
     return {begun(draw(0)), {.draw = draw, .duration_s = kEndless}, request.held};
   }
@@ -356,10 +356,10 @@ Result<HoursRun> perform_hours(const HoursRequest& request, const sensor::Rig& r
     sensor = face_sensors[random.below(face_sensors.size())];
     MIEN_TRY_ASSIGN(events, events_of(job.scenario->event, *sensor, rig, person.face, random));
   }
-  MIEN_TRY_ASSIGN(HoursSession session,
-                  HoursSession::create(rig, std::move(sites), faults,
-                                       motion_of(request, job, person.style, root.fork(job.name())),
-                                       root.fork("devices"), std::move(events)));
+  MIEN_TRY_ASSIGN(virt::StreamedSession session,
+                  virt::StreamedSession::create(rig, std::move(sites), faults,
+                                                motion_of(request, job, person.style, root.fork(job.name())),
+                                                root.fork("devices"), std::move(events)));
   std::vector<HoursWay> ways;
   for (int way = 0; way < 4; ++way) {
     MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
@@ -370,10 +370,10 @@ Result<HoursRun> perform_hours(const HoursRequest& request, const sensor::Rig& r
                               std::move(ways));
   performing.mark(session.events());
   double reached_s = 0;
-  const HoursConsumer consumer{
+  const virt::StreamConsumer consumer{
       .sample = [&](HostTime, const sensor::Sample& sample) { performing.add(sample); },
       .frame =
-          [&](const HoursFrame& frame, const sensor::TimeLines& lines) {
+          [&](const virt::StreamedFrame& frame, const sensor::TimeLines& lines) {
             reached_s = frame.motion_s;
             if (frame.motion_s < 60 * request.minutes) performing.add(frame, lines);
           }};

@@ -12,9 +12,9 @@
 #include "mien/face/face.h"
 #include "mien/face/motion.h"
 #include "mien/model/model_file.h"
+#include "mien/performer/long_motion.h"
 #include "mien/performer/script.h"
 #include "mien/sensor/rig.h"
-#include "mien/study/imu/hours_motion.h"
 #include "mien/study/imu/hours_scenario.h"
 
 namespace mien::study {
@@ -27,10 +27,10 @@ struct HoursRequest {
   std::optional<face::Face> face;     ///< Everyone's; none: a face of their own.
   std::vector<HoursScenario> scenarios = {hours_scenarios().front()};
   std::uint64_t first_seed = 1;
-  std::size_t seeds = 2;             ///< People, 1 or more, each with a style and devices of their own.
-  double minutes = 180;              ///< Of each performance after the prologue, above 0.
-  std::vector<HeldExpression> held;  ///< Of everyone.
-  unsigned threads = 0;              ///< 0: one a core.
+  std::size_t seeds = 2;  ///< People, 1 or more, each with a style and devices of their own.
+  double minutes = 180;   ///< Of each performance after the prologue, above 0.
+  std::vector<performer::HeldExpression> held;  ///< Of everyone.
+  unsigned threads = 0;                         ///< 0: one a core.
 };
 
 /// The live model's squared error of the weights: 53 shapes, both sides clipped to [0, 1].

@@ -24,7 +24,7 @@ HoursErrors mean_of(std::span<const HoursRun> runs, const HoursPiece& (*piece)(c
 /// does.
 const HoursPiece& piece_after(const HoursRun& run) {
   for (const HoursPiece& piece : run.pieces)
-    if (piece.begin_s >= run.event_end_s + kPieceS - 60) return piece;
+    if (piece.begin_s >= run.event_end_s + performer::kPieceS - 60) return piece;
   return run.pieces.back();
 }
 

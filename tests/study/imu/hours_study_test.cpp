@@ -46,7 +46,8 @@ TEST(StudyHours, FortyMinutesOnOneCalibrationLoseNoFace) {
 
 TEST(StudyHours, AHeldExpressionIsMeasured) {
   const Installed installed;
-  HeldExpression smile{.shapes = {face::shape("mouthSmile_L"), face::shape("mouthSmile_R")}, .value = 0.8F};
+  performer::HeldExpression smile{.shapes = {face::shape("mouthSmile_L"), face::shape("mouthSmile_R")},
+                                  .value = 0.8F};
   smile.begin_s = 20;
   smile.end_s = 60;
   const HoursRequest request{

@@ -51,7 +51,7 @@ TEST(HoursSummary, ASensorIsJudgedTenMinutesAfterItsEvent) {
   HoursRun run{.script = "mixed", .scenario = "jump", .seed = 1, .sensor = "mentalis", .event_end_s = 2400};
   for (int i = 0; i < 8; ++i) {
     HoursPiece& one = run.pieces.emplace_back(piece(0.01, 1, 1, 0, 0));
-    one.begin_s = kPieceS * i;
+    one.begin_s = performer::kPieceS * i;
     one.sensor_rms_deg = i;
     one.frozen_sensor_rms_deg = 2 * i;
   }
