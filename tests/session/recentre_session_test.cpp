@@ -274,8 +274,8 @@ take::LogEntry asked_by_osc(double at_s, const std::string& source, float value 
 
 std::vector<take::LogEntry> with(std::vector<take::LogEntry> entries,
                                  const std::vector<take::LogEntry>& added) {
-  entries.insert(entries.end(), added.begin(), added.end());
-  std::ranges::stable_sort(entries, {}, &take::LogEntry::arrival);
+  for (const take::LogEntry& entry : added)
+    entries.insert(std::ranges::upper_bound(entries, entry.arrival, {}, &take::LogEntry::arrival), entry);
   return entries;
 }
 
