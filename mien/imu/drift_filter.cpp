@@ -70,6 +70,7 @@ DriftFilter::DriftFilter(const DriftSettings& settings, const std::optional<sens
       rate_rad_s_(count_),
       creep_rad_(count_, Vec3::Zero()),
       observed_s_(count_),
+      absent_s_(count_),
       present_(count_),
       directed_(count_),
       waited_s_(3 * count_),
@@ -103,6 +104,7 @@ void DriftFilter::start() {
   wearer_rad2_ = people_rad2_;
   mean_rad_.setZero();
   std::ranges::fill(observed_s_, 0.0);
+  std::ranges::fill(absent_s_, 0.0);
   since_start_s_ = 0;
   next_ = 0;
   level_.start(people_rad2_);
@@ -204,6 +206,18 @@ void DriftFilter::add_nod(std::size_t sensor, const NodMeasurement& nod) {
   correct(nod.error_rad, nod.sigma_rad * nod.sigma_rad);
 }
 
+void DriftFilter::follow_presence(double dt_s) {
+  const bool most = 2 * std::ranges::count(present_, true) >= static_cast<std::ptrdiff_t>(count_);
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (!present_[i]) {
+      if (most) absent_s_[i] += dt_s;
+      continue;
+    }
+    if (std::exchange(absent_s_[i], 0.0) > settings_.taken_off_s)
+      covariance_.diagonal().segment<3>(creep(i)).array() += settings_.put_on_rad * settings_.put_on_rad;
+  }
+}
+
 void DriftFilter::learn(double dt_s) {
   for (std::size_t i = 0; i < count_; ++i) {
     const auto at = static_cast<Index>(3 * i);
@@ -263,6 +277,7 @@ void DriftFilter::add_skin(double dt_s, std::span<const std::optional<Vec3>> tur
     present_[i] = turn_rad[i].has_value();
     turn_rad_[i] = turn_rad[i].value_or(Vec3::Zero());
   }
+  follow_presence(dt_s);
   learn(dt_s);
   since_start_s_ += dt_s;
   directions_s_ += dt_s;

@@ -63,6 +63,12 @@ struct DriftSettings {
   /// Memory of the covariance, s. Raising: what a wearer does is forgotten later. Lowering: the covariance
   /// follows what he does now.
   double memory_s = 1200;
+  /// A sensor that is absent for longer than this, s, while most others are present, may have been taken off
+  /// and put on again: its creep is then uncertain by `put_on_rad` an axis (15 deg). Raising the time:
+  /// batteries may be changed for longer. Lowering it, or raising the angle: a sensor that sits elsewhere is
+  /// found sooner, one that only was silent forgets its creep.
+  double taken_off_s = 30;
+  double put_on_rad = 0.26;
   /// Expressions that are held: what they add to the skin's rotation is not taken for drift.
   LevelShiftSettings shift;
 };
@@ -131,6 +137,8 @@ class DriftFilter {
   [[nodiscard]] Index ear() const { return static_cast<Index>(5 * count_); }
   /// Kalman update by the scalar measurement `observation_` x + noise.
   void correct(double innovation_rad, double noise_rad2);
+  /// Sensors that have been absent for long may sit elsewhere.
+  void follow_presence(double dt_s);
   /// Takes the present rotations into the wearer's mean and covariance; their deviations from the mean.
   void learn(double dt_s);
   /// Directions of the wearer's distribution over the sensors that are present.
@@ -166,6 +174,7 @@ class DriftFilter {
   Eigen::MatrixXd wearer_rad2_;  // The wearer's about their mean.
   Eigen::VectorXd mean_rad_;
   std::vector<double> observed_s_;  // By sensor: how long it has been present since start().
+  std::vector<double> absent_s_;    // By sensor: how long it has not been, while most others were.
   double since_start_s_ = 0;
 
   std::vector<bool> present_, directed_;  // Sensors now, and those of the directions.

@@ -325,6 +325,41 @@ TEST(DriftFilter, ASensorThatWasMissingComesBack) {
   }
 }
 
+/// Error of a sensor five minutes after it came back, turned on the skin, from 40 s of absence, degrees.
+double error_after_putting_on_deg(std::uint64_t seed, const DriftSettings& settings) {
+  Wearer wearer(seed);
+  DriftFilter filter = calibrated(Skin().people, settings);
+  wearer.wear(filter, 600);
+  wearer.present[2] = false;
+  wearer.wear(filter, 40);
+  wearer.creep_rad[2] = Vec3(25, 5, -5) * kRadPerDeg;
+  wearer.present[2] = true;
+  wearer.wear(filter, 300);
+  return wearer.turn_error(filter, 2).norm() / kRadPerDeg;
+}
+
+TEST(DriftFilter, ASensorThatWasPutOnAgainIsFound) {
+  DriftSettings never;
+  never.taken_off_s = 1e9;
+  for (const std::uint64_t seed : {34, 35, 36}) {
+    EXPECT_LT(error_after_putting_on_deg(seed, {}), 3) << seed;
+    EXPECT_GT(error_after_putting_on_deg(seed, never), 10) << seed;
+  }
+}
+
+TEST(DriftFilter, SensorsThatWereAllAbsentKeepTheirCreep) {
+  Wearer wearer(37);
+  DriftFilter filter = calibrated();
+  wearer.wear(filter, 600);
+  const auto sigma_rad = [&] { return std::sqrt(filter.rotation_covariance(2, wearer.up()).trace()); };
+  const double before_rad = sigma_rad();
+  wearer.present.fill(false);
+  wearer.wear(filter, 40);
+  wearer.present.fill(true);
+  wearer.wear(filter, 1);
+  EXPECT_LT(sigma_rad(), before_rad + 2 * kRadPerDeg);
+}
+
 TEST(DriftFilter, GrowsUncertainWithoutMeasurements) {
   const DriftSettings settings;
   DriftFilter filter = calibrated();
