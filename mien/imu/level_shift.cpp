@@ -18,31 +18,28 @@ constexpr double kShareOfHalf = 0.7, kShareOfOthers = 0.5;
 constexpr double kBackShare = 0.5, kAllBackShare = 0.6;
 /// A later change of at least this share of the offset is to another level.
 constexpr double kAnotherShare = 0.6;
-/// One direction counts for five standard deviations at most; none is steadier than this, rad.
-constexpr double kMostSquare = 25, kLeastUsualRad = 1e-6;
-/// The usual changes: share of the usual scatter that they begin with, for how many seconds that counts, and
-/// how many are remembered.
-constexpr double kPriorShare = 0.25, kPriorS = 60, kMemoryS = 1200;
 /// An offset that is kept no more fades with this time constant, s.
 constexpr double kFadeS = 60;
-/// More than this share of the squared change is one sensor's, or common to all: an adhesive's.
-constexpr double kOneSensorShare = 0.8, kCommonShare = 0.6;
 /// What is left of a column after a direction was taken out of it, to be kept.
 constexpr double kLeastLeft = 0.3;
 
 }  // namespace
 
-LevelShift::LevelShift(const LevelShiftSettings& settings, std::size_t sensors) : settings_(settings) {
+LevelShift::LevelShift(const LevelShiftSettings& settings, std::size_t sensors)
+    : settings_(settings),
+      jump_(settings.jump, settings.least_rad, static_cast<Index>(3 * sensors)),
+      usual_(static_cast<Index>(3 * sensors)) {
   const auto size = static_cast<Index>(3 * sensors);
-  offset_rad_ = sum_rad_ = change_rad_ = before_rad_ = first_half_rad_ = second_half_rad_ = scratch_ =
-      direction_ = Eigen::VectorXd::Zero(size);
-  shifted_directions_ = changes_rad2_ = Eigen::MatrixXd::Zero(size, size);
+  offset_rad_ = total_rad_ = sum_rad_ = change_rad_ = before_rad_ = first_half_rad_ = second_half_rad_ =
+      scratch_ = direction_ = Eigen::VectorXd::Zero(size);
+  shifted_directions_ = Eigen::MatrixXd::Zero(size, size);
   seconds_rad_ = Eigen::MatrixXd::Zero(size, 2 * kWindow);
 }
 
 void LevelShift::start(const Eigen::MatrixXd& usual_rad2) {
-  changes_rad2_ = kPriorShare * usual_rad2;
-  changes_s_ = rests_s_ = 0;
+  usual_.start(usual_rad2);
+  jump_.start(usual_rad2);
+  rests_s_ = 0;
   release();
 }
 
@@ -52,6 +49,8 @@ void LevelShift::release() {
 }
 
 void LevelShift::interrupt() {
+  jump_.drop();
+  total_rad_ = offset_rad_;
   seconds_ = 0;
   sum_rad_.setZero();
   sum_s_ = 0;
@@ -89,35 +88,16 @@ void LevelShift::follow(double dt_s, const Eigen::VectorXd& deviation_rad) {
 void LevelShift::end_second() {
   for (Index second = 0; second + 1 < seconds_rad_.cols(); ++second)
     seconds_rad_.col(second) = seconds_rad_.col(second + 1);
-  seconds_rad_.rightCols<1>() = sum_rad_ / sum_s_ + offset_rad_;
+  seconds_rad_.rightCols<1>() = sum_rad_ / sum_s_ + total_rad_;
   sum_rad_.setZero();
   sum_s_ = 0;
   ++seconds_;
 }
 
-bool LevelShift::displaced() const {
-  const double all_rad2 = change_rad_.squaredNorm();
-  const Index sensors = change_rad_.size() / 3;
-  double most_rad2 = 0;
-  Eigen::Vector3d common_rad = Eigen::Vector3d::Zero();
-  for (Index i = 0; i < sensors; ++i) {
-    most_rad2 = std::max(most_rad2, change_rad_.segment<3>(3 * i).squaredNorm());
-    common_rad += change_rad_.segment<3>(3 * i) / static_cast<double>(sensors);
-  }
-  return sensors > 1 && (most_rad2 > kOneSensorShare * all_rad2 ||
-                         static_cast<double>(sensors) * common_rad.squaredNorm() > kCommonShare * all_rad2);
-}
-
-double LevelShift::usual_rad(const Directions& directions, Index direction) {
-  const auto along = directions.eigenvectors().col(direction);
-  scratch_.noalias() = changes_rad2_ * along;
-  return std::sqrt(std::max(0.0, along.dot(scratch_)));
-}
-
 double LevelShift::limit_rad(const Directions& directions, Index direction) {
   const double scatter_rad = std::sqrt(std::max(0.0, directions.eigenvalues()[direction]));
   return std::max({settings_.least_rad, kLeastOfDeviation * scatter_rad,
-                   settings_.gate * usual_rad(directions, direction)});
+                   settings_.gate * usual_.along_rad(directions.eigenvectors().col(direction))});
 }
 
 void LevelShift::exclude(const Eigen::VectorXd& direction) {
@@ -162,7 +142,8 @@ void LevelShift::detect(const Directions& directions, double missing_rad2) {
     return first_rad * second_rad > 0 && std::abs(first_rad + second_rad) >= 2 * limit_rad &&
            std::min(std::abs(first_rad), std::abs(second_rad)) >= kShareOfHalf * limit_rad;
   };
-  double most = 1, squares = 0, count = 0;
+  double most = 1;
+  JointChange joint;
   bool any = false;
   for (Index k = 0; k < axes.cols(); ++k) {
     if (directions.eigenvalues()[k] >= missing_rad2) continue;
@@ -170,13 +151,12 @@ void LevelShift::detect(const Directions& directions, double missing_rad2) {
     const double along_rad = 0.5 * (first_half_rad_[k] + second_half_rad_[k]) - before_rad_[k];
     most = std::max(most, std::abs(along_rad) / limit);
     any = any || beyond(k, limit);
-    const double deviations = along_rad / std::max(kLeastUsualRad, usual_rad(directions, k));
-    squares += std::min(kMostSquare, deviations * deviations);
-    ++count;
+    joint.add(along_rad / usual_.along_rad(axes.col(k)));
   }
-  any = any && squares > count + settings_.joint_gate * std::sqrt(2 * count);
-  const bool expression = any && !displaced();
+  any = any && joint.beyond(settings_.joint_gate);
+  const bool expression = any && !is_displacement(change_rad_);
   if (expression && rests_s_ <= 0) {
+    jump_.drop();
     const double offset_norm_rad = offset_rad_.norm();
     const bool settled = shifted_ > 0 && held_s_ > static_cast<double>(kWindow);
     for (Index k = 0; k < axes.cols(); ++k) {
@@ -196,11 +176,8 @@ void LevelShift::detect(const Directions& directions, double missing_rad2) {
     }
   }
   // What is held counts among the usual changes for no more than its limit.
-  changes_s_ += 1;
   change_rad_ /= most;
-  changes_rad2_ *= 1 - 1 / (kPriorS + std::min(changes_s_, kMemoryS));
-  changes_rad2_.noalias() +=
-      (1 / (kPriorS + std::min(changes_s_, kMemoryS))) * change_rad_ * change_rad_.transpose();
+  usual_.add(change_rad_);
   if (any && !expression) interrupt();
 }
 
@@ -208,11 +185,16 @@ void LevelShift::add(double dt_s, const Eigen::VectorXd& deviation_rad, const Di
                      double missing_rad2) {
   if (settings_.gate <= 0) return;
   follow(dt_s, deviation_rad);
+  jump_.follow(dt_s, deviation_rad);
+  total_rad_ = offset_rad_ + jump_.offset_rad();
   sum_rad_ += dt_s * deviation_rad;
   sum_s_ += dt_s;
   if (sum_s_ < 1) return;
   end_second();
+  if (seconds_ >= LevelJump::kLast + LevelJump::kBefore)
+    jump_.look(seconds_rad_, offset_rad_, directions, missing_rad2, rests_s_ <= 0);
   if (seconds_ >= seconds_rad_.cols()) detect(directions, missing_rad2);
+  total_rad_ = offset_rad_ + jump_.offset_rad();
 }
 
 }  // namespace mien::imu

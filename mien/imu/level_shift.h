@@ -4,6 +4,9 @@
 #include <Eigen/Eigenvalues>
 #include <cstddef>
 
+#include "mien/imu/level_change.h"
+#include "mien/imu/level_jump.h"
+
 namespace mien::imu {
 
 /// Settings of the detector of level shifts. Chosen on virtual performers of seeds 101 to 110
@@ -27,15 +30,18 @@ struct LevelShiftSettings {
   /// By how much a measurement along a shifted direction weighs less, as a factor of its variance less one.
   /// Raising: drift along it is followed later. Lowering: held expressions fade sooner.
   double doubt = 0.3;
+  /// Jumps are kept until a shift is detected. Its least jump is `least_rad`.
+  LevelJumpSettings jump;
 };
 
 /// Detects that the level of a signal of many axes (the skin's rotations) has shifted and stays shifted, as
 /// while a performer holds an expression: the means of two windows, 20 s each, one after the other, differ by
 /// more than this wearer's usually do, along one direction in both halves of the later one, and along all
 /// together. Drift cannot do that in seconds. The offset is the new level; it is followed by its running
-/// mean, and dropped once the signal is back; after `most_s` it fades. A shift of one sensor alone, or of all
-/// alike, is no expression but an adhesive's, and is ignored. Thread: one at a time. No allocation after
-/// construction. Cost: negligible but once a second.
+/// mean, and dropped once the signal is back; after `most_s` it fades. Until a shift is found a jump of the
+/// level (LevelJump) stands for it. A shift of one sensor alone, or of all alike, is no expression but an
+/// adhesive's, and is ignored. Thread: one at a time. No allocation after construction. Cost: negligible but
+/// once a second.
 class LevelShift {
  public:
   /// `sensors`: three axes each.
@@ -53,7 +59,7 @@ class LevelShift {
            const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>& directions, double missing_rad2);
 
   /// Offset of the present level from the mean, rad; zero while none is held.
-  [[nodiscard]] const Eigen::VectorXd& offset_rad() const { return offset_rad_; }
+  [[nodiscard]] const Eigen::VectorXd& offset_rad() const { return total_rad_; }
   /// Factor of the variance of a measurement along a unit vector: 1 where nothing has shifted.
   [[nodiscard]] double variance_factor(const Eigen::Ref<const Eigen::VectorXd>& direction);
   /// Whether a shifted level is held.
@@ -64,11 +70,7 @@ class LevelShift {
   using Directions = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
   void follow(double dt_s, const Eigen::VectorXd& deviation_rad);
   void end_second();
-  /// Whether the difference of the windows is an adhesive's rather than an expression's.
-  [[nodiscard]] bool displaced() const;
   void detect(const Directions& directions, double missing_rad2);
-  /// Standard deviation of the usual changes along a direction.
-  [[nodiscard]] double usual_rad(const Directions& directions, Index direction);
   [[nodiscard]] double limit_rad(const Directions& directions, Index direction);
   void shift(const Eigen::VectorXd& direction, double before_rad, double after_rad, double limit_rad);
   /// Takes a direction out of the shifted ones.
@@ -76,8 +78,9 @@ class LevelShift {
   void drop();
 
   LevelShiftSettings settings_;
-  Eigen::VectorXd offset_rad_;
-  Eigen::MatrixXd shifted_directions_;  // Orthonormal; the first `shifted_` columns.
+  LevelJump jump_;
+  Eigen::VectorXd offset_rad_, total_rad_;  // Without and with the jump's.
+  Eigen::MatrixXd shifted_directions_;      // Orthonormal; the first `shifted_` columns.
   Index shifted_ = 0;
   double held_s_ = 0, since_shift_s_ = 0, rests_s_ = 0;
 
@@ -86,8 +89,7 @@ class LevelShift {
   Eigen::VectorXd sum_rad_;  // Of the second in progress.
   double sum_s_ = 0;
 
-  Eigen::MatrixXd changes_rad2_;  // Second moment of the usual changes from window to window.
-  double changes_s_ = 0;
+  UsualChanges usual_;
 
   // Members, so that nothing is allocated.
   Eigen::VectorXd change_rad_, before_rad_, first_half_rad_, second_half_rad_, scratch_, direction_;

@@ -2,134 +2,26 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <string>
+#include <optional>
 #include <vector>
 
-#include "mien/core/random.h"
-#include "mien/core/units.h"
+#include "tests/imu/drifting_wearer.h"
 
 namespace mien::imu::drift_filter_test {
 namespace {
 
-constexpr std::size_t kSensors = 4;
-constexpr Eigen::Index kAxes = 3 * kSensors, kMuscles = 3;
-constexpr double kFrame_s = 1 / 30.0;
-const std::vector<std::string> kNames = {"a", "b", "c", "d"};
-
-/// Skin whose sensors are moved by three muscles together; degrees at an activity of one.
-struct Skin {
-  Eigen::MatrixXd muscles_deg = Eigen::MatrixXd::Zero(kAxes, kMuscles);
-  sensor::SkinMotion people;
-
-  Skin() {
-    Random random(5);
-    for (double& entry : muscles_deg.reshaped()) entry = 3 * random.normal();
-    people.sensors = kNames;
-    people.mean_deg = Eigen::VectorXd::LinSpaced(kAxes, -3, 4);
-    Eigen::MatrixXd covariance = muscles_deg * muscles_deg.transpose();
-    covariance.diagonal().array() += 1;
-    people.factor_deg = covariance.llt().matrixL();
-  }
-};
-
-/// A wearer whose activities change about every second, whose head nods and turns, and whose sensors drift.
-struct Wearer {
-  Random random;
-  Eigen::MatrixXd muscles_rad;
-  Eigen::VectorXd mean_rad;
-  Eigen::Vector3d activity = Eigen::Vector3d::Zero(), goal = Eigen::Vector3d::Zero();
-  bool holds = false;  ///< The goal stays.
-  double t_s = 0, next_goal_s = 0;
-  Eigen::VectorXd skin_rad = Eigen::VectorXd::Zero(kAxes);
-  // Truth.
-  std::array<double, kSensors> heading_rad{};
-  std::array<Vec3, kSensors> creep_rad;
-  Vec3 ear_creep_rad = Vec3::Zero();
-  std::array<bool, kSensors> present{};
-
-  explicit Wearer(std::uint64_t seed) : random(seed) {
-    const Skin skin;
-    // This one's muscles pull in directions somewhat other than people's.
-    muscles_rad = kRadPerDeg * skin.muscles_deg;
-    for (double& entry : muscles_rad.reshaped()) entry += 0.6 * kRadPerDeg * random.normal();
-    mean_rad = kRadPerDeg * skin.people.mean_deg;
-    creep_rad.fill(Vec3::Zero());
-    present.fill(true);
-  }
-
-  [[nodiscard]] Vec3 up() const {
-    const Quat head = exp_rotation(Vec3(0.25 * std::sin(0.9 * t_s), 0, 0)) *
-                      exp_rotation(Vec3(0, 0, 0.15 * std::sin(0.53 * t_s)));
-    return head.conjugate() * Vec3::UnitY();
-  }
-
-  void move() {
-    t_s += kFrame_s;
-    if (!holds && t_s >= next_goal_s) {
-      goal = random.normal_vector(1);
-      next_goal_s = t_s + 0.3 + random.exponential(0.7);
-    }
-    activity += kFrame_s / 0.15 * (goal - activity);
-    skin_rad = mean_rad + muscles_rad * activity;
-    for (double& axis : skin_rad) axis += random.normal(0, 0.2 * kRadPerDeg);
-  }
-
-  /// Estimate less truth, rad.
-  [[nodiscard]] double heading_error(const DriftFilter& filter, std::size_t i) const {
-    return std::remainder(filter.heading_rad(i) - heading_rad[i], 2 * std::numbers::pi);
-  }
-  /// E_i by the filter's present states, of skin that turns by `skin`.
-  [[nodiscard]] Vec3 estimated_turn(const DriftFilter& filter, std::size_t i, const Vec3& skin) const {
-    return log_rotation(exp_rotation(filter.ear_creep_rad()) * exp_rotation(-ear_creep_rad) *
-                        exp_rotation(heading_error(filter, i) * up()) * exp_rotation(skin) *
-                        exp_rotation(creep_rad[i]) * exp_rotation(-filter.creep_rad(i)));
-  }
-  /// What headings and creep leave in E_i, rad.
-  [[nodiscard]] Vec3 turn_error(const DriftFilter& filter, std::size_t i) const {
-    return estimated_turn(filter, i, Vec3::Zero());
-  }
-  [[nodiscard]] Vec3 skin_of(std::size_t i) const {
-    return skin_rad.segment<3>(static_cast<Eigen::Index>(3 * i));
-  }
-
-  /// One frame.
-  void add_to(DriftFilter& filter, double tilt_rad2 = 0) {
-    move();
-    filter.predict(kFrame_s);
-    std::array<std::optional<Vec3>, kSensors> turns;
-    for (std::size_t i = 0; i < kSensors; ++i)
-      if (present[i]) turns[i] = estimated_turn(filter, i, skin_of(i));
-    std::array<double, kSensors> tilts{};
-    tilts.fill(tilt_rad2);
-    filter.add_skin(kFrame_s, turns, tilts, up());
-  }
-  /// Frames, each after `drift` has changed the truth.
-  template <typename Drift>
-  void wear(DriftFilter& filter, double seconds, Drift drift) {
-    for (int i = 0; i < std::lround(seconds / kFrame_s); ++i) {
-      drift();
-      add_to(filter);
-    }
-  }
-  void wear(DriftFilter& filter, double seconds) {
-    wear(filter, seconds, [] {});
-  }
-};
-
-/// A filter after a calibration.
-DriftFilter calibrated(const std::optional<sensor::SkinMotion>& people, const DriftSettings& settings = {}) {
-  DriftFilter filter(settings, people, kNames);
-  for (std::size_t i = 0; i < kSensors; ++i) filter.move_to(i, 0, 0.5 * kRadPerDeg);
-  return filter;
-}
-DriftFilter calibrated() {
-  return calibrated(Skin().people);
-}
+using test::calibrated;
+using test::kAxes;
+using test::kFrame_s;
+using test::kMuscles;
+using test::kNames;
+using test::kSensors;
+using test::Skin;
+using test::Wearer;
 
 /// Everything that a filter shows, as bits.
 std::vector<double> shown(const DriftFilter& filter, const Vec3& up) {
@@ -498,92 +390,6 @@ TEST(DriftFilter, StartsAnewAsIfItWereNew) {
   wearer.wear(filter, 60);
   same.wear(fresh, 60);
   EXPECT_EQ(shown(filter, Vec3::UnitY()), shown(fresh, Vec3::UnitY()));
-}
-
-/// The face at rest, and the filter's correction by it. `missing`: this sensor is not measured.
-void rest(const Wearer& wearer, DriftFilter& filter, std::optional<std::size_t> missing = {}) {
-  std::array<std::optional<Vec3>, kSensors> turns;
-  for (std::size_t i = 0; i < kSensors; ++i)
-    if (i != missing) turns[i] = wearer.turn_error(filter, i);
-  const std::array<double, kSensors> sigma_rad = {kRadPerDeg, kRadPerDeg, kRadPerDeg, kRadPerDeg};
-  filter.observe_rest(turns, sigma_rad, wearer.up());
-}
-
-/// The rotation's error with the head turned by this from where it rested.
-double error_deg(Wearer wearer, const DriftFilter& filter, std::size_t i, double after_s) {
-  wearer.t_s += after_s;
-  return kDegPerRad * wearer.turn_error(filter, i).norm();
-}
-
-TEST(DriftFilter, ARestCorrectsASensorThatWasPutOnAgain) {
-  for (const std::uint64_t seed : {71, 72, 73})
-    for (const double off_deg : {10.0, 25.0, 40.0}) {
-      Wearer wearer(seed);
-      DriftFilter filter = calibrated();
-      wearer.wear(filter, 300);
-      const std::array<double, 3> before = {error_deg(wearer, filter, 0, 0), error_deg(wearer, filter, 2, 0),
-                                            error_deg(wearer, filter, 3, 0)};
-      wearer.creep_rad[1] = wearer.random.normal_vector(1).normalized() * off_deg * kRadPerDeg;
-      EXPECT_GT(error_deg(wearer, filter, 1, 0), 0.7 * off_deg);
-      rest(wearer, filter);
-      EXPECT_LT(error_deg(wearer, filter, 1, 0), 0.3) << seed << " " << off_deg;
-      // What its heading took of it shows once the head nods.
-      EXPECT_LT(error_deg(wearer, filter, 1, 1.7), 0.1 * off_deg) << seed << " " << off_deg;
-      EXPECT_LT(error_deg(wearer, filter, 0, 0), std::max(1.0, before[0])) << "the others are left";
-      EXPECT_LT(error_deg(wearer, filter, 2, 0), std::max(1.0, before[1]));
-      EXPECT_LT(error_deg(wearer, filter, 3, 0), std::max(1.0, before[2]));
-      EXPECT_TRUE(filter.sound());
-      EXPECT_EQ(filter.faults(), 0);
-      const Mat3 covariance = filter.rotation_covariance(1, wearer.up());
-      EXPECT_LT(std::sqrt(covariance.trace()), 2 * kRadPerDeg) << "and it is known again";
-      // It stays where it is.
-      wearer.wear(filter, 600);
-      EXPECT_LT(error_deg(wearer, filter, 1, 0), 3) << seed << " " << off_deg;
-    }
-}
-
-TEST(DriftFilter, ARestCorrectsHeadingsThatAreUncertain) {
-  for (const double off_deg : {20.0, -80.0, 170.0}) {
-    Wearer wearer(74);
-    DriftFilter filter = calibrated();
-    wearer.wear(filter, 300);
-    wearer.creep_rad[1] = filter.creep_rad(1) + Vec3(-1, 0.5, 1) * kRadPerDeg;
-    filter.move_to(1, off_deg * kRadPerDeg, std::abs(off_deg) * kRadPerDeg);
-    wearer.creep_rad[2] = Vec3(0, 15, 20) * kRadPerDeg;
-    rest(wearer, filter);
-    EXPECT_LT(error_deg(wearer, filter, 1, 0), 1) << off_deg;
-    EXPECT_LT(error_deg(wearer, filter, 2, 0), 0.3) << off_deg;
-    EXPECT_LT(kDegPerRad * std::abs(wearer.heading_error(filter, 1)), 3.5) << off_deg;
-    EXPECT_LT(error_deg(wearer, filter, 1, 1.7), 1.5) << off_deg;
-  }
-}
-
-TEST(DriftFilter, ARestFindsAnEarSensorThatMoved) {
-  Wearer wearer(75);
-  DriftFilter filter = calibrated();
-  wearer.wear(filter, 60);
-  wearer.ear_creep_rad = Vec3(6, -4, 12) * kRadPerDeg;
-  wearer.creep_rad[3] = Vec3(20, 5, -5) * kRadPerDeg;
-  rest(wearer, filter, 2);
-  for (const std::size_t i : {0, 1, 3}) EXPECT_LT(error_deg(wearer, filter, i, 0), 0.5) << i;
-  EXPECT_LT((filter.ear_creep_rad() - wearer.ear_creep_rad).norm(), 2 * kRadPerDeg);
-  EXPECT_LT(error_deg(wearer, filter, 2, 0), 2.5) << "a sensor that was not measured is corrected by it too";
-}
-
-TEST(DriftFilter, ARestWeighsItsPrior) {
-  // Of a wearer who does not rest quite as at the calibration: a degree is no drift of a fresh calibration.
-  DriftFilter filter = calibrated();
-  std::array<std::optional<Vec3>, kSensors> turns;
-  turns[1] = Vec3(1, 0, 0) * kRadPerDeg;
-  const std::array<double, kSensors> sigma_rad = {kRadPerDeg, kRadPerDeg, kRadPerDeg, kRadPerDeg};
-  filter.observe_rest(turns, sigma_rad, Vec3::UnitY());
-  EXPECT_LT(filter.creep_rad(1).norm(), 0.01 * kRadPerDeg);
-  // After a minute without skin, creep of the adhesive and the ear sensor's are known to 0.5 degrees each.
-  for (int i = 0; i < 60 * 30; ++i) filter.predict(kFrame_s);
-  const double creep_deg2 = 60 * std::pow(kDegPerRad * DriftSettings().creep_walk, 2);
-  filter.observe_rest(turns, sigma_rad, Vec3::UnitY());
-  EXPECT_NEAR(kDegPerRad * filter.creep_rad(1).x(), creep_deg2 / (2 * creep_deg2 + 1), 0.01);
-  EXPECT_EQ(filter.creep_rad(0), Vec3(Vec3::Zero()));
 }
 
 TEST(DriftFilter, WithoutSensorsItDoesNothing) {

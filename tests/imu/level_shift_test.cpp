@@ -81,6 +81,38 @@ TEST(LevelShift, FindsAHeldExpressionAndItsEnd) {
   EXPECT_EQ(skin.level.variance_factor(brows().normalized()), 1);
 }
 
+TEST(LevelShift, AJumpStandsForAShiftThatIsNotFoundYet) {
+  for (const std::uint64_t seed : {4, 5, 6}) {
+    LevelShiftSettings slow;
+    slow.jump.gate = 0;
+    Skin skin(seed), without(seed, slow);
+    for (Skin* one : {&skin, &without}) {
+      one->wear(300);
+      one->held_rad = brows();
+      one->wear(5);
+      EXPECT_FALSE(one->level.held()) << "no shift within five seconds";
+    }
+    EXPECT_NEAR(skin.found(brows()), 0.9, 0.5) << seed;
+    EXPECT_EQ(without.level.offset_rad().norm(), 0);
+    // What was no more than a gesture leaves nothing.
+    skin.held_rad.setZero();
+    skin.wear(4);
+    EXPECT_LT(skin.found(brows()), 0.1) << seed;
+  }
+}
+
+TEST(LevelShift, AJumpThatNoShiftConfirmsEnds) {
+  LevelShiftSettings settings;
+  settings.gate = 1e6;
+  Skin skin(7, settings);
+  skin.wear(300);
+  skin.held_rad = brows();
+  skin.wear(settings.jump.most_s);
+  EXPECT_NEAR(skin.found(brows()), 0.9, 0.3);
+  skin.wear(5);
+  EXPECT_EQ(skin.level.offset_rad().norm(), 0);
+}
+
 TEST(LevelShift, UsualMotionShiftsNothing) {
   double held_s = 0;
   for (std::uint64_t seed = 11; seed < 14; ++seed) {
