@@ -32,6 +32,7 @@ struct EvaluateOptions {
   ShapingOption shaping;
   TruthOption truth;
   bool ablate = false;
+  double every_min = 0;
   std::string face;
   std::string report;
   bool no_adapt = false;
@@ -48,6 +49,14 @@ void print_row(const char* name, const measure::Metrics& m) {
   fmt::print("{:<13} {:7.3f} {:>7} {:>7} {:8.4f} {:9.4f} {:>7} {:>8}\n", name, m.pve_mm.mean,
              mean(m.pve_face_mm), mean(m.lmk_mm), m.mse, m.mse_observed, ratio(m.jitter_ratio),
              ratio(m.blink_f1));
+}
+
+void print_pieces(const std::string& take, const std::vector<measure::Piece>& pieces) {
+  fmt::print("\n{}\n{:>7} {:>8} {:>9} {:>6}  {}\n", one_line(take), "minute", "MSE", "mean pose", "ratio",
+             "bias, less the first piece's");
+  for (const measure::Piece& piece : pieces)
+    fmt::print("{:7.1f} {:8.4f} {:9.4f} {:6.2f}  {} {:+.2f}\n", piece.begin_s / 60, piece.mse,
+               piece.mean_pose_mse, piece.ratio, face::kShapeNames[piece.biased_shape], piece.bias);
 }
 
 using Track = std::vector<face::BlendshapeWeights>;
@@ -151,6 +160,10 @@ Result<void> run_evaluate(EvaluateOptions options) {
   for (std::size_t i = 0; i < ablated.size(); ++i)
     evaluation.ablations.push_back(
         measure::measure_ablation(meter, estimates, ablated[i].without, without[i]));
+  if (options.every_min > 0)
+    for (const measure::TakeEstimates& take : estimates)
+      evaluation.pieces.push_back(
+          measure::pieces_of(take.truth, take.model, model.mean_pose(), 60 * options.every_min));
   evaluation.ece = study::expected_region_error(estimates);
   say_unlearnt(unlearnt);
   if (adapted > 0 && adapted < takes.size())
@@ -192,6 +205,8 @@ Result<void> run_evaluate(EvaluateOptions options) {
     fmt::print("\nthe model with a step of shaping left out (=: no bit changes)\n");
   for (const measure::Ablation& one : evaluation.ablations)
     print_row((one.without + (one.changed ? "" : " =")).c_str(), one.metrics);
+  for (std::size_t t = 0; t < evaluation.pieces.size(); ++t)
+    print_pieces(estimates[t].take, evaluation.pieces[t]);
   if (evaluation.model.mse > evaluation.mean_pose.mse &&
       evaluation.model.mse_observed < evaluation.mean_pose.mse_observed)
     fmt::print(
@@ -217,6 +232,10 @@ void add_evaluate_command(Commands& commands) {
       "--ablate", options->ablate,
       "Measure once more with each step of shaping left out: one row a step. Shapes by the defaults "
       "where no --shaping says otherwise");
+  command
+      .add_option("--every", options->every_min,
+                  "Print the error of each so many minutes of a take too: whether it stays as it began")
+      .in_range(0.1, 600.0);
   command.add_option("--face", options->face,
                      "Face to measure on (default: the take's own where it is found, else builtin)");
   command.add_option("--report", options->report, "Write a self-contained HTML page with plots");

@@ -11,6 +11,7 @@
 #include "mien/core/progress.h"
 #include "mien/face/output_frame.h"
 #include "mien/measure/metrics.h"
+#include "mien/measure/pieces.h"
 #include "mien/take/take.h"
 
 namespace mien::measure {
@@ -57,7 +58,8 @@ struct Evaluation {
   std::optional<ProvenanceShares> provenance;
   /// Expected calibration error of the regions' confidence; absent where it is known of none.
   std::optional<double> ece;
-  std::vector<Ablation> ablations;  ///< Empty unless they were asked for.
+  std::vector<Ablation> ablations;         ///< Empty unless they were asked for.
+  std::vector<std::vector<Piece>> pieces;  ///< Of each take; empty unless they were asked for.
 };
 
 /// The frames that count, those evaluated and with a face, as stretches without a gap: [begin, end).

@@ -117,6 +117,20 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
       ablations.push_back(
           {{"without", one.without}, {"changed", one.changed}, {"metrics", to_json(one.metrics)}});
   }
+  if (!evaluation.pieces.empty()) {
+    OrderedJson& takes = out["pieces"] = OrderedJson::array();
+    for (const std::vector<Piece>& pieces : evaluation.pieces) {
+      OrderedJson& rows = takes.emplace_back(OrderedJson::array());
+      for (const Piece& piece : pieces)
+        rows.push_back({{"begin_s", piece.begin_s},
+                        {"frames", piece.frames},
+                        {"mse", piece.mse},
+                        {"mean_pose_mse", piece.mean_pose_mse},
+                        {"ratio", piece.ratio},
+                        {"biased_shape", std::string(face::kShapeNames[piece.biased_shape])},
+                        {"bias", piece.bias}});
+    }
+  }
   // A path may be any bytes: what is no UTF-8 is replaced.
   return out.dump(2, ' ', false, OrderedJson::error_handler_t::replace);
 }

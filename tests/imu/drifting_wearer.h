@@ -124,7 +124,8 @@ struct Wearer {
 };
 
 /// A filter after a calibration.
-inline DriftFilter calibrated(const std::optional<sensor::SkinMotion>& people, const DriftSettings& settings = {}) {
+inline DriftFilter calibrated(const std::optional<sensor::SkinMotion>& people,
+                              const DriftSettings& settings = {}) {
   DriftFilter filter(settings, people, kNames);
   for (std::size_t i = 0; i < kSensors; ++i) filter.move_to(i, 0, 0.5 * kRadPerDeg);
   return filter;
