@@ -16,8 +16,7 @@ using Errors = std::array<double, face::kShapeCount>;
 Errors errors_of(const face::BlendshapeWeights& estimate, const face::BlendshapeWeights& truth) {
   Errors errors{};
   for (std::size_t k = 0; k < errors.size(); ++k)
-    errors[k] =
-        std::clamp(estimate[k], 0.0F, 1.0F) - double{std::clamp(truth[k], 0.0F, 1.0F)};
+    errors[k] = std::clamp(estimate[k], 0.0F, 1.0F) - double{std::clamp(truth[k], 0.0F, 1.0F)};
   return errors;
 }
 

@@ -40,8 +40,7 @@ TEST(Pieces, TellWhenAndWhereATakeWentWrong) {
 TEST(Pieces, AShortTakeIsOnePiece) {
   std::vector<take::TruthFrame> truth(60);
   for (take::TruthFrame& frame : truth) frame.has_face = true;
-  const std::vector<Piece> pieces =
-      pieces_of(truth, std::vector<face::BlendshapeWeights>(60), {}, 600);
+  const std::vector<Piece> pieces = pieces_of(truth, std::vector<face::BlendshapeWeights>(60), {}, 600);
   ASSERT_EQ(pieces.size(), 1U);
   EXPECT_EQ(pieces[0].frames, 60U);
   EXPECT_EQ(pieces[0].ratio, 0) << "nothing to compare with";
