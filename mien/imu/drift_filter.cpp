@@ -366,9 +366,9 @@ void DriftFilter::expect_moved(std::size_t sensor, const Vec3& turn_rad, const V
   wearer_rad2_.middleCols<3>(at).setZero();
   wearer_rad2_.block<3, 3>(at, at) = people_rad2_.block<3, 3>(at, at);
   changed_s_ = directions_s_ = kLatest_s;
-  if (observed_s_[sensor] >= settings_.mean_s) return;
-  observed_s_[sensor] = 0;
-  mean_rad_.segment<3>(at).setZero();
+  const bool known = observed_s_[sensor] >= settings_.mean_s;
+  observed_s_[sensor] = known ? settings_.mean_s : 0;
+  if (!known) mean_rad_.segment<3>(at).setZero();
 }
 
 void DriftFilter::correct_ear_by_rest(std::span<const Vec3> turn_rad, std::span<const Resting> resting,
@@ -389,7 +389,9 @@ void DriftFilter::correct_ear_by_rest(std::span<const Vec3> turn_rad, std::span<
       observe_axis(one.sensor, axis, median_rad, up);
       mean.row(axis) += observation_.transpose() / static_cast<double>(resting.size());
     }
-  const double noise_rad2 = resting.front().sigma_rad * resting.front().sigma_rad;
+  double noise_rad2 = 0;
+  for (const Resting& one : resting)
+    noise_rad2 += one.sigma_rad * one.sigma_rad / static_cast<double>(resting.size());
   const Mat3 expected_rad2 = mean * covariance_ * mean.transpose() + noise_rad2 * Mat3::Identity();
   if (median_rad.dot(expected_rad2.ldlt().solve(median_rad)) < kRestGate2) return;
   covariance_.diagonal().segment<3>(ear()).array() += median_rad.squaredNorm();

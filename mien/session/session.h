@@ -129,6 +129,10 @@ class Session final : private SampleConsumer {
   void begin_rest(DeviceTime frame);
   /// Re-centres when the rest is over; after the tracker's tick, before shaping.
   void follow_rest(DeviceTime frame, const std::optional<tracker::RestOutcome>& rested);
+  /// What Recentre asked for is not done any more: it was of the calibration before.
+  void drop_recentring();
+  /// Errors: not_found.
+  [[nodiscard]] Result<std::uint16_t> sensor_named(std::string_view name) const;
   void follow_recentring(DeviceTime frame);
   /// How certain rotations are, once a second.
   void watch_drift(DeviceTime frame);

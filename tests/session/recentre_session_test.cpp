@@ -198,6 +198,15 @@ TEST(RecentreSession, AnEarlierVersionEndsARestThatWasAskedFor) {
   EXPECT_EQ(run.report.calibration.in_force, 1);
 }
 
+TEST(RecentreSession, AGuidedCalibrationEndsARecentring) {
+  std::vector<Watching::Seen> seen;
+  const auto session = watched_session(seen);
+  const Played run = test::run(*session, resting_performance(8).entries,
+                               {{15, kRecentre}, {15.2, R"({"command": "calibrate", "kind": "short"})"}});
+  EXPECT_EQ(run.count("recentre"), 1u) << "asked for";
+  for (const CalibrationVersion& version : session->versions()) EXPECT_NE(version.origin, "recentre");
+}
+
 TEST(RecentreSession, AFaceThatSpeaksIsCentredAndItsDriftIsNotCorrected) {
   const virt::VirtualSession performed = test::performance(8);
   std::vector<Watching::Seen> seen;
