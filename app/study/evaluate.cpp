@@ -51,12 +51,16 @@ void print_row(const char* name, const measure::Metrics& m) {
              ratio(m.blink_f1));
 }
 
-void print_pieces(const std::string& take, const std::vector<measure::Piece>& pieces) {
-  fmt::print("\n{}\n{:>7} {:>8} {:>9} {:>6}  {}\n", one_line(take), "minute", "MSE", "mean pose", "ratio",
+void print_pieces(const measure::TakePieces& of) {
+  fmt::print("\n{}\n{:>7} {:>8} {:>9} {:>6}  {}\n", one_line(of.take), "minute", "MSE", "mean pose", "ratio",
              "bias, less the first piece's");
-  for (const measure::Piece& piece : pieces)
-    fmt::print("{:7.1f} {:8.4f} {:9.4f} {:6.2f}  {} {:+.2f}\n", piece.begin_s / 60, piece.mse,
-               piece.mean_pose_mse, piece.ratio, face::kShapeNames[piece.biased_shape], piece.bias);
+  for (const measure::Piece& piece : of.pieces) {
+    const std::string bias =
+        piece.biased_shape ? fmt::format("{} {:+.2f}", face::kShapeNames[*piece.biased_shape], piece.bias)
+                           : "-";
+    fmt::print("{:7.1f} {:8.4f} {:9.4f} {:6.2f}  {}\n", piece.begin_s / 60, piece.mse, piece.mean_pose_mse,
+               piece.ratio, bias);
+  }
 }
 
 using Track = std::vector<face::BlendshapeWeights>;
@@ -163,7 +167,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
   if (options.every_min > 0)
     for (const measure::TakeEstimates& take : estimates)
       evaluation.pieces.push_back(
-          measure::pieces_of(take.truth, take.model, model.mean_pose(), 60 * options.every_min));
+          {take.take, measure::pieces_of(take.truth, take.model, model.mean_pose(), 60 * options.every_min)});
   evaluation.ece = study::expected_region_error(estimates);
   say_unlearnt(unlearnt);
   if (adapted > 0 && adapted < takes.size())
@@ -205,8 +209,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
     fmt::print("\nthe model with a step of shaping left out (=: no bit changes)\n");
   for (const measure::Ablation& one : evaluation.ablations)
     print_row((one.without + (one.changed ? "" : " =")).c_str(), one.metrics);
-  for (std::size_t t = 0; t < evaluation.pieces.size(); ++t)
-    print_pieces(estimates[t].take, evaluation.pieces[t]);
+  for (const measure::TakePieces& of : evaluation.pieces) print_pieces(of);
   if (evaluation.model.mse > evaluation.mean_pose.mse &&
       evaluation.model.mse_observed < evaluation.mean_pose.mse_observed)
     fmt::print(
@@ -233,8 +236,9 @@ void add_evaluate_command(Commands& commands) {
       "Measure once more with each step of shaping left out: one row a step. Shapes by the defaults "
       "where no --shaping says otherwise");
   command
-      .add_option("--every", options->every_min,
-                  "Print the error of each so many minutes of a take too: whether it stays as it began")
+      .add_option(
+          "--every", options->every_min,
+          "Also print the error of each piece of this many minutes of a take: whether it stays as it began")
       .in_range(0.1, 600.0);
   command.add_option("--face", options->face,
                      "Face to measure on (default: the take's own where it is found, else builtin)");

@@ -63,10 +63,10 @@ struct DriftSettings {
   /// Memory of the covariance, s. Raising: what a wearer does is forgotten later. Lowering: the covariance
   /// follows what he does now.
   double memory_s = 1200;
-  /// A sensor that is absent for longer than this, s, while most others are present, may have been taken off
-  /// and put on again: its creep is then uncertain by `put_on_rad` an axis (15 deg). Raising the time:
-  /// batteries may be changed for longer. Lowering it, or raising the angle: a sensor that sits elsewhere is
-  /// found sooner, one that only was silent forgets its creep.
+  /// A sensor that is absent for longer than this, s, while at least half of all are present, may have been
+  /// taken off and put on again: its creep is then uncertain by `put_on_rad` an axis (15 deg). Raising the
+  /// time: batteries may be changed for longer. Lowering it, or raising the angle: a sensor that sits
+  /// elsewhere is found sooner, one that only was silent forgets its creep.
   double taken_off_s = 30;
   double put_on_rad = 0.26;
   /// Expressions that are held: what they add to the skin's rotation is not taken for drift.
@@ -173,8 +173,9 @@ class DriftFilter {
   Eigen::MatrixXd people_rad2_;  // Second moment of people's rotation vectors about neutral.
   Eigen::MatrixXd wearer_rad2_;  // The wearer's about their mean.
   Eigen::VectorXd mean_rad_;
-  std::vector<double> observed_s_;  // By sensor: how long it has been present since start().
-  std::vector<double> absent_s_;    // By sensor: how long it has not been, while most others were.
+  std::vector<double>
+      observed_s_;                // By sensor: how long it has been present since start(), or since it moved.
+  std::vector<double> absent_s_;  // By sensor: how long it has not been, while half of all were.
   double since_start_s_ = 0;
 
   std::vector<bool> present_, directed_;  // Sensors now, and those of the directions.

@@ -75,7 +75,7 @@ void LevelJump::look(const Eigen::MatrixXd& seconds_rad, const Eigen::VectorXd& 
       held_s_ = 0;
     }
   }
-  // A jump counts among the usual changes for no more than one of them.
+  // A jump counts among the usual changes for less than it is.
   if (jumped) change_rad_ /= joint.rms();
   usual_.add(change_rad_);
 }

@@ -22,7 +22,7 @@ struct LevelJumpSettings {
 };
 
 /// Detects within two seconds that the level of the skin's rotations has jumped, before LevelShift, which
-/// needs half a minute, can know whether it stays. Until then the jump is an offset along its direction, so
+/// needs 11 to 20 s, can know whether it stays. Until then the jump is an offset along its direction, so
 /// that no drift is corrected by it: the mean of the last two seconds differs from that of the ten before by
 /// more than this wearer's usually do. It ends as the signal comes back, as LevelShift finds a shift, or
 /// after `most_s`. Thread: one at a time. No allocation after construction. Cost: negligible but once a

@@ -157,6 +157,7 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
 }
 
 void Pipeline::rest(DeviceTime begin, DeviceTime end) {
+  state_->rest.reset();
   if (end > begin && state_->follows_drift()) state_->rest = RestWindow{begin, end};
 }
 

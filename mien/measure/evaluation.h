@@ -45,6 +45,12 @@ struct Ablation {
   Metrics metrics;
 };
 
+/// One take, piece by piece.
+struct TakePieces {
+  std::string take;  ///< The file's name.
+  std::vector<Piece> pieces;
+};
+
 /// The model beside its baselines on the same frames.
 struct Evaluation {
   std::size_t frames = 0;
@@ -58,8 +64,8 @@ struct Evaluation {
   std::optional<ProvenanceShares> provenance;
   /// Expected calibration error of the regions' confidence; absent where it is known of none.
   std::optional<double> ece;
-  std::vector<Ablation> ablations;         ///< Empty unless they were asked for.
-  std::vector<std::vector<Piece>> pieces;  ///< Of each take; empty unless they were asked for.
+  std::vector<Ablation> ablations;  ///< Empty unless they were asked for.
+  std::vector<TakePieces> pieces;   ///< Of each take; empty unless they were asked for.
 };
 
 /// The frames that count, those evaluated and with a face, as stretches without a gap: [begin, end).

@@ -119,16 +119,19 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
   }
   if (!evaluation.pieces.empty()) {
     OrderedJson& takes = out["pieces"] = OrderedJson::array();
-    for (const std::vector<Piece>& pieces : evaluation.pieces) {
-      OrderedJson& rows = takes.emplace_back(OrderedJson::array());
-      for (const Piece& piece : pieces)
+    for (const TakePieces& of : evaluation.pieces) {
+      OrderedJson rows = OrderedJson::array();
+      for (const Piece& piece : of.pieces)
         rows.push_back({{"begin_s", piece.begin_s},
                         {"frames", piece.frames},
                         {"mse", piece.mse},
                         {"mean_pose_mse", piece.mean_pose_mse},
                         {"ratio", piece.ratio},
-                        {"biased_shape", std::string(face::kShapeNames[piece.biased_shape])},
+                        {"biased_shape",
+                         piece.biased_shape ? OrderedJson(std::string(face::kShapeNames[*piece.biased_shape]))
+                                            : OrderedJson(nullptr)},
                         {"bias", piece.bias}});
+      takes.push_back({{"take", of.take}, {"pieces", std::move(rows)}});
     }
   }
   // A path may be any bytes: what is no UTF-8 is replaced.

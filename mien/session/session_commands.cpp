@@ -100,7 +100,10 @@ void Session::recentre() {
 }
 
 void Session::drop_recentring() {
+  if (!recentring_) return;
   recentring_ = false;
+  if (rest_end_) tracker_->rest(*rest_end_, *rest_end_);
+  shaper_.use_centre(shaper_.recentring().centre());
   rest_ = Duration::zero();
   rest_end_.reset();
 }

@@ -168,7 +168,8 @@ class Tracker {
   [[nodiscard]] virtual Duration wants_rest() const { return {}; }
   /// The performer has been asked to rest, face and head as in the calibration's neutral, on the frames
   /// [begin, end); given before the tick of its begin. What has drifted since the calibration is corrected by
-  /// it before the first frame at or after `end`. A modality that has no use for it passes it over.
+  /// it before the first frame at or after `end`. An empty rest ends one that was asked for before. A
+  /// modality that has no use for it passes it over.
   virtual void rest([[maybe_unused]] DeviceTime begin, [[maybe_unused]] DeviceTime end) {}
 
   /// Of a tracker without anything to calibrate: Phase::done, else its users are asked to nod.

@@ -92,7 +92,7 @@ TEST(LevelShift, AJumpStandsForAShiftThatIsNotFoundYet) {
       one->wear(5);
       EXPECT_FALSE(one->level.held()) << "no shift within five seconds";
     }
-    EXPECT_NEAR(skin.found(brows()), 0.9, 0.5) << seed;
+    EXPECT_GT(skin.found(brows()), 0.45) << seed;
     EXPECT_EQ(without.level.offset_rad().norm(), 0);
     // What was no more than a gesture leaves nothing.
     skin.held_rad.setZero();

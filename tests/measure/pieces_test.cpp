@@ -28,7 +28,7 @@ TEST(Pieces, TellWhenAndWhereATakeWentWrong) {
   EXPECT_NEAR(pieces[0].mse, 0.01 / face::kShapeCount, 1e-8);
   EXPECT_NEAR(pieces[0].mean_pose_mse, 0.25 / face::kShapeCount, 1e-8);
   EXPECT_EQ(pieces[0].ratio, 1);
-  EXPECT_EQ(pieces[0].bias, 0);
+  EXPECT_FALSE(pieces[0].biased_shape);
   EXPECT_EQ(pieces[1].begin_s, 10);
   EXPECT_EQ(pieces[1].frames, 599U);
   EXPECT_NEAR(pieces[1].mse, 0.1 / face::kShapeCount, 1e-8);

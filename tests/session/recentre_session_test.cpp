@@ -204,6 +204,7 @@ TEST(RecentreSession, AGuidedCalibrationEndsARecentring) {
   const Played run = test::run(*session, resting_performance(8).entries,
                                {{15, kRecentre}, {15.2, R"({"command": "calibrate", "kind": "short"})"}});
   EXPECT_EQ(run.count("recentre"), 1u) << "asked for";
+  EXPECT_EQ(run.count("rested"), 0u);
   for (const CalibrationVersion& version : session->versions()) EXPECT_NE(version.origin, "recentre");
 }
 
