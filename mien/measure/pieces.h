@@ -21,7 +21,7 @@ struct Piece {
   double ratio = 0;
   /// The shape whose mean error, estimate less truth, differs most from the first piece's, and by how much;
   /// none of the first piece.
-  std::optional<std::size_t> biased_shape;
+  std::optional<std::size_t> biased_shape = {};
   double bias = 0;
 };
 
