@@ -1,67 +1,46 @@
 #include "mien/measure/pieces.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "mien/core/time.h"
 #include "mien/measure/evaluation.h"
+#include "mien/measure/weight_errors.h"
 
 namespace mien::measure {
-namespace {
-
-using Errors = std::array<double, face::kShapeCount>;
-
-/// Estimate less truth of each shape, both clipped to [0, 1].
-Errors errors_of(const face::BlendshapeWeights& estimate, const face::BlendshapeWeights& truth) {
-  Errors errors{};
-  for (std::size_t k = 0; k < errors.size(); ++k)
-    errors[k] = std::clamp(estimate[k], 0.0F, 1.0F) - double{std::clamp(truth[k], 0.0F, 1.0F)};
-  return errors;
-}
-
-double mean_square(const Errors& errors) {
-  double sum = 0;
-  for (const double error : errors) sum += error * error;
-  return sum / static_cast<double>(errors.size());
-}
-
-}  // namespace
 
 std::vector<Piece> pieces_of(std::span<const take::TruthFrame> truth,
                              std::span<const face::BlendshapeWeights> estimate,
                              const face::BlendshapeWeights& mean_pose, double length_s) {
+  struct Errors {
+    std::size_t number = 0;
+    WeightErrors model = {}, mean_pose = {};
+  };
   const auto length = static_cast<std::size_t>(std::max(1.0, std::round(length_s * kFrameRateHz)));
-  std::vector<Piece> pieces;
-  std::vector<Errors> bias;
+  std::vector<Errors> errors;
   std::size_t first = 0;
   for (const auto& [begin, end] : evaluated_runs(truth)) {
-    if (pieces.empty()) first = begin;
+    if (errors.empty()) first = begin;
     for (std::size_t i = begin; i < end; ++i) {
-      const double begin_s = static_cast<double>((i - first) / length * length) / kFrameRateHz;
-      if (pieces.empty() || pieces.back().begin_s < begin_s) {
-        pieces.push_back({.begin_s = begin_s});
-        bias.emplace_back();
-      }
-      Piece& piece = pieces.back();
-      ++piece.frames;
-      const Errors errors = errors_of(estimate[i], truth[i].weights);
-      piece.mse += mean_square(errors);
-      piece.mean_pose_mse += mean_square(errors_of(mean_pose, truth[i].weights));
-      for (std::size_t k = 0; k < errors.size(); ++k) bias.back()[k] += errors[k];
+      const std::size_t number = (i - first) / length;
+      if (errors.empty() || errors.back().number < number) errors.push_back({.number = number});
+      errors.back().model.add(estimate[i], truth[i].weights);
+      errors.back().mean_pose.add(mean_pose, truth[i].weights);
     }
   }
-  if (pieces.size() > 1 && 2 * pieces.back().frames < length) pieces.pop_back();
-  for (std::size_t p = 0; p < pieces.size(); ++p) {
-    Piece& piece = pieces[p];
-    const auto frames = static_cast<double>(piece.frames);
-    piece.mse /= frames;
-    piece.mean_pose_mse /= frames;
-    for (double& one : bias[p]) one /= frames;
+  if (errors.size() > 1 && 2 * errors.back().model.frames() < length) errors.pop_back();
+  std::vector<Piece> pieces;
+  for (const Errors& of : errors) {
+    Piece& piece = pieces.emplace_back();
+    piece.begin_s = static_cast<double>(of.number * length) / kFrameRateHz;
+    piece.frames = of.model.frames();
+    piece.mse = of.model.mse();
+    piece.mean_pose_mse = of.mean_pose.mse();
     const double at_first = pieces.front().mse * piece.mean_pose_mse;
     if (at_first > 0) piece.ratio = piece.mse * pieces.front().mean_pose_mse / at_first;
     for (std::size_t k = 0; k < face::kShapeCount; ++k)
-      if (const double by = bias[p][k] - bias[0][k]; std::abs(by) > std::abs(piece.bias)) {
+      if (const double by = of.model.bias(k) - errors.front().model.bias(k);
+          std::abs(by) > std::abs(piece.bias)) {
         piece.bias = by;
         piece.biased_shape = k;
       }

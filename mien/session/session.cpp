@@ -47,7 +47,7 @@ Session::Session(Parts parts, std::unique_ptr<Receiver> receiver)
       prompt_watch_(receiver_->rig()),
       bound_at_(receiver_->rig().sensors.size()),
       certainties_(receiver_->rig().sensors.size()),
-      hears_(!sensor::sensors_of(receiver_->rig(), shaping::Merge::kListening).empty()) {
+      has_microphone_(!sensor::sensors_of(receiver_->rig(), shaping::Merge::kListening).empty()) {
   receiver_->listen_to_sound(parts.shaping.merge.audio);
 }
 
@@ -124,7 +124,7 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   follow_rest(frame, tracked.rested);
   shaper_.apply(frame_, tracked.sensors_present, tracked.explained ? &*tracked.explained : nullptr);
   hearing_ = tracked.hearing.value_or(tracker::TickResult::Hearing{});
-  if (std::ranges::count(frame_.provenance, face::Provenance::audio) > 0) ++heard_frames_;
+  if (std::ranges::count(frame_.provenance, face::Provenance::audio) > 0) ++audio_frames_;
   const bool guided = guide_.running();
   if (guided) follow_guided(tracked.calibration);
   if (guide_.after(frame_)) {

@@ -53,7 +53,7 @@ class Session final : private SampleConsumer {
   /// From now on no sound is taken, whatever the settings come to say. A replay has no use for it: what was
   /// not taken is not in the log.
   void take_no_sound() {
-    deaf_ = true;
+    takes_no_sound_ = true;
     receiver_->listen_to_sound(false);
   }
 
@@ -189,9 +189,9 @@ class Session final : private SampleConsumer {
   face::OutputFrame frame_;
   DeviceTime newest_frame_;
   std::uint64_t frames_ = 0;
-  std::uint64_t heard_frames_ = 0;  // Of which a shape is from sound.
-  bool hears_ = false;              // The rig has a microphone.
-  bool deaf_ = false;               // take_no_sound().
+  std::uint64_t audio_frames_ = 0;  // Of which a shape is from sound.
+  bool has_microphone_ = false;     // The rig has a microphone.
+  bool takes_no_sound_ = false;     // take_no_sound().
   tracker::TickResult::Hearing hearing_;
   std::size_t sensors_present_ = 0;
   face::FrameHash hash_;

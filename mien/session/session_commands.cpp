@@ -155,7 +155,7 @@ Result<void> Session::execute(const Shape& command) {
   MIEN_TRY_ASSIGN(const shaping::ShaperSettings settings,
                   shaping::parse_settings(command.json, kSession, shaper_.settings()));
   shaper_.set(settings);
-  receiver_->listen_to_sound(settings.merge.audio && !deaf_);
+  receiver_->listen_to_sound(settings.merge.audio && !takes_no_sound_);
   if (reshape_) reshape_(settings);
   return {};
 }

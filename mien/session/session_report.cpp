@@ -52,10 +52,10 @@ void Session::report(HostTime now, Report& out) const {
   }
   out.shaping = shaping::write_settings(shaper_.settings());
   out.hearing.reset();
-  if (hears_)
+  if (has_microphone_)
     out.hearing = Report::Hearing{.on = shaper_.settings().merge.audio,
                                   .speaks = hearing_.speaks,
-                                  .share = static_cast<double>(heard_frames_) /
+                                  .share = static_cast<double>(audio_frames_) /
                                            static_cast<double>(std::max<std::uint64_t>(1, frames_)),
                                   .later = hearing_.later};
   out.resting = shaping::write_resting_face(shaper_.resting().present());

@@ -15,6 +15,7 @@
 #include "mien/core/units.h"
 #include "mien/imu/pipeline.h"
 #include "mien/measure/metrics.h"
+#include "mien/measure/weight_errors.h"
 #include "mien/performer/head_motion.h"
 #include "mien/performer/performer.h"
 #include "mien/study/performance.h"
@@ -42,19 +43,11 @@ void put_rotation(const Quat& rotation, model::SensorFeature& feature) {
 struct HoursWay {
   tracker::CausalTracker tracker;
   face::OutputFrame answer;
-  double squares = 0;
-  std::array<double, face::kShapeCount> errors{};
+  measure::WeightErrors errors = {};
   std::vector<Weights> sampled;
   std::vector<double> held;
 
   void step(const model::FeatureFrame& features) { tracker.step(features, answer); }
-  void add(const Weights& truth) {
-    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-      const double error = std::clamp(answer.weights[k], 0.0F, 1.0F) - std::clamp(truth[k], 0.0F, 1.0F);
-      squares += error * error / face::kShapeCount;
-      errors[k] += error;
-    }
-  }
 };
 
 /// Minutes that all performers have performed, and whether to stop.
@@ -127,7 +120,7 @@ class HoursPerformance {
     for (std::size_t way = 0; way < ways_.size(); ++way) ways_[way].step(*features_[way]);
     if (frame.motion_s < 0) return;
     if (frame.motion_s >= piece_begin_s_ + performer::kPieceS) end_piece();
-    for (HoursWay& way : ways_) way.add(frame.weights);
+    for (HoursWay& way : ways_) way.errors.add(way.answer.weights, frame.weights);
     add_rotations(truth);
     add_held(frame);
     if (frames_++ % kSampledFrames != 0) return;
@@ -171,12 +164,11 @@ class HoursPerformance {
   }
   void end_piece() {
     if (frames_ == 0) return;
-    const auto frames = static_cast<double>(frames_);
     HoursPiece piece{.begin_s = piece_begin_s_, .frames = frames_};
     const auto each = [&](auto value) {
       return HoursErrors{value(ways_[0]), value(ways_[1]), value(ways_[2]), value(ways_[3])};
     };
-    piece.mse = each([&](const HoursWay& way) { return way.squares / frames; });
+    piece.mse = each([&](const HoursWay& way) { return way.errors.mse(); });
     const auto pve = [&](const HoursWay& way) {
       const measure::Stretch stretch{.truth = truth_, .estimate = way.sampled};
       return meter_.measure({&stretch, 1}).pve_mm.mean;
@@ -185,7 +177,7 @@ class HoursPerformance {
     piece.lab_pve_mm = pve(ways_[1]);
     std::array<double, face::kShapeCount> bias{};
     for (std::size_t k = 0; k < face::kShapeCount; ++k)
-      bias[k] = (ways_[0].errors[k] - ways_[1].errors[k]) / frames;
+      bias[k] = ways_[0].errors.bias(k) - ways_[1].errors.bias(k);
     if (pieces_.empty()) first_bias_ = bias;
     for (std::size_t k = 0; k < face::kShapeCount; ++k) {
       const double grown = std::abs(bias[k]) - std::abs(first_bias_[k]);
@@ -214,8 +206,7 @@ class HoursPerformance {
     truth_.clear();
     std::ranges::fill(held_frames_, 0);
     for (HoursWay& way : ways_) {
-      way.squares = 0;
-      way.errors.fill(0);
+      way.errors = {};
       way.sampled.clear();
       std::ranges::fill(way.held, 0.0);
     }
