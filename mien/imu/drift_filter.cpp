@@ -17,13 +17,22 @@ constexpr double kOffRad = 0.7 * kRadPerDeg, kUnknownRad = 10 * kRadPerDeg;
 /// How strongly the face moves against its usual, by all directions: bounds; one direction counts for three
 /// standard deviations at most.
 constexpr double kLeastStrength = 0.15, kMostStrength = 4, kMostOfOne2 = 9;
-/// Directions are computed anew after half of what has been learnt, within these, s; and once other sensors
-/// have been present for so long, s.
-constexpr double kSoonest_s = 10, kLatest_s = 300, kOthersAfter_s = 0.15;
+/// Directions are computed anew after half of what has been learnt, within these, s; and once a sensor has
+/// been absent, or is back, for so long, s: bursts of lost packets are shorter.
+constexpr double kSoonest_s = 10, kLatest_s = 300, kGoneAfter_s = 0.5, kBackAfter_s = 0.15;
+/// A direction with more than this share of its square at absent sensors is not measured.
+constexpr double kMostAbsent = 0.3;
 /// The wearer's mean counts from nothing to its share in about this time, s.
 constexpr double kFirstMean_s = 10;
 /// The correlation time grows by this share of the time since the calibration.
 constexpr double kCorrelationGrowth = 0.2;
+/// Gaps: what they add to the headings' variance is averaged over this time, s. The correlation time is at
+/// most this share of the time in which it adds up to the skin's variance, and at least this, s. Where this
+/// share of the skin's variance has been added, a deviation beyond the gate is cut to it, not ignored: what
+/// was missed has heavy tails. Chosen on packets lost in bursts (docs/experiments/hours.md).
+constexpr double kGapMemory_s = 10, kGapShare = 0.15, kGapCorrelation_s = 0.7, kGapCutShare = 0.25;
+/// A common turn this uncertain, rad (5 deg), is no expression.
+constexpr double kTurnedRad = 0.087;
 /// Beyond this a direction's states are lost rather than drifted, rad^2 (6 deg).
 constexpr double kLostRad2 = 0.011;
 /// A heading more uncertain than this is beyond the linearisation, rad^2 (40 deg): each look begins with the
@@ -71,8 +80,10 @@ DriftFilter::DriftFilter(const DriftSettings& settings, const std::optional<sens
       creep_rad_(count_, Vec3::Zero()),
       observed_s_(count_),
       absent_s_(count_),
+      gaps_rad2_s_(count_),
       present_(count_),
       directed_(count_),
+      differs_s_(count_),
       waited_s_(3 * count_),
       level_(settings.shift, count_),
       turn_rad_(count_, Vec3::Zero()) {
@@ -105,13 +116,14 @@ void DriftFilter::start() {
   mean_rad_.setZero();
   std::ranges::fill(observed_s_, 0.0);
   std::ranges::fill(absent_s_, 0.0);
+  std::ranges::fill(gaps_rad2_s_, 0.0);
   since_start_s_ = 0;
   next_ = 0;
   level_.start(people_rad2_);
   ear_creep_rad_.setZero();
   std::ranges::fill(creep_rad_, Vec3(Vec3::Zero()));
   directed_.assign(count_, false);
-  changed_s_ = directions_s_ = kLatest_s;
+  directions_s_ = kLatest_s;
   for (std::size_t i = 0; i < count_; ++i) move_to(i, 0, std::numbers::pi);
 }
 
@@ -131,10 +143,11 @@ void DriftFilter::move_to(std::size_t sensor, double heading_rad, double sigma_r
 void DriftFilter::inflate(std::size_t sensor, double sigma_rad) {
   const auto heading = static_cast<Index>(sensor);
   covariance_(heading, heading) += sigma_rad * sigma_rad;
+  gaps_rad2_s_[sensor] += sigma_rad * sigma_rad / kGapMemory_s;
 }
 
 void DriftFilter::turn_all(double by_rad, double sigma_rad) {
-  if (by_rad != 0) level_.interrupt();
+  if (by_rad != 0 || sigma_rad > kTurnedRad) level_.interrupt();
   for (double& heading : heading_rad_) heading = wrapped(heading + by_rad);
   const auto n = static_cast<Index>(count_);
   covariance_.topLeftCorner(n, n).array() += sigma_rad * sigma_rad;
@@ -171,6 +184,7 @@ void DriftFilter::check() {
 void DriftFilter::predict(double dt_s) {
   if (dt_s <= 0) return;
   const auto n = static_cast<Index>(count_);
+  for (double& gaps : gaps_rad2_s_) gaps *= std::exp(-dt_s / kGapMemory_s);
   for (std::size_t i = 0; i < count_; ++i) heading_rad_[i] = wrapped(heading_rad_[i] + rate_rad_s_[i] * dt_s);
   // F P F^T: headings integrate their rates. Then the process noise.
   covariance_.topRows(n) += dt_s * covariance_.middleRows(n, n);
@@ -221,8 +235,11 @@ void DriftFilter::follow_presence(double dt_s) {
 void DriftFilter::learn(double dt_s) {
   for (std::size_t i = 0; i < count_; ++i) {
     const auto at = static_cast<Index>(3 * i);
-    deviation_rad_.segment<3>(at).setZero();
-    if (!present_[i]) continue;
+    if (!present_[i]) {
+      // For a moment it is where it was.
+      if (!directed_[i]) deviation_rad_.segment<3>(at).setZero();
+      continue;
+    }
     observed_s_[i] += dt_s;
     const Vec3 level_rad = turn_rad_[i] - level_.offset_rad().segment<3>(at);
     if (observed_s_[i] < settings_.mean_s)
@@ -255,7 +272,8 @@ void DriftFilter::find_directions() {
   directions_.compute(distribution_rad2_);
   if (present_ != directed_) level_.interrupt();
   directed_ = present_;
-  directions_s_ = changed_s_ = 0;
+  directions_s_ = 0;
+  std::ranges::fill(differs_s_, 0.0);
   std::ranges::fill(waited_s_, 0.0);
 }
 
@@ -281,14 +299,16 @@ void DriftFilter::add_skin(double dt_s, std::span<const std::optional<Vec3>> tur
   learn(dt_s);
   since_start_s_ += dt_s;
   directions_s_ += dt_s;
-  changed_s_ = present_ == directed_ ? 0 : changed_s_ + dt_s;
-  if (changed_s_ > kOthersAfter_s ||
-      directions_s_ > std::clamp(0.5 * since_start_s_, kSoonest_s, kLatest_s)) {
+  bool others = false;  // Not for a moment only.
+  for (std::size_t i = 0; i < count_; ++i) {
+    differs_s_[i] = present_[i] == directed_[i] ? 0 : differs_s_[i] + dt_s;
+    others = others || differs_s_[i] > (present_[i] ? kBackAfter_s : kGoneAfter_s);
+  }
+  if (others || directions_s_ > std::clamp(0.5 * since_start_s_, kSoonest_s, kLatest_s)) {
     check();
     find_directions();
   }
   for (double& waited : waited_s_) waited += dt_s;
-  if (present_ != directed_) return;
   level_.add(dt_s, deviation_rad_, directions_, 0.5 * kMissingRad2);
 
   along_rad_.noalias() = directions_.eigenvectors().transpose() * deviation_rad_;
@@ -322,31 +342,47 @@ void DriftFilter::measure(Index direction, double strength2, std::span<const dou
                           const Vec3& up) {
   const double least_rad2 = settings_.least_sigma_rad * settings_.least_sigma_rad;
   const Eigen::VectorXd& variance_rad2 = directions_.eigenvalues();
-  const double waited_s = std::exchange(waited_s_[static_cast<std::size_t>(direction)], 0.0);
-  if (waited_s <= 0 || variance_rad2[direction] >= 0.5 * kMissingRad2) return;
+  double& waiting_s = waited_s_[static_cast<std::size_t>(direction)];
+  if (waiting_s <= 0 || variance_rad2[direction] >= 0.5 * kMissingRad2) return;
+  const auto along = directions_.eigenvectors().col(direction);
+  double absent = 0;
+  for (std::size_t i = 0; i < count_; ++i)
+    if (!present_[i]) absent += along.segment<3>(static_cast<Index>(3 * i)).squaredNorm();
+  if (absent > kMostAbsent) return;
+  const double waited_s = std::exchange(waiting_s, 0.0);
   observe(direction, up);
   // What the frame's measurements before have corrected is no deviation any more.
   const double innovation_rad = along_rad_[direction] - observation_.dot(changed_);
   spread_.noalias() = covariance_ * observation_;
   const double uncertain_rad2 = observation_.dot(spread_);
-  // The states' own errors are in what was learnt of the wearer, too.
-  const double skin_rad2 = std::max(least_rad2, variance_rad2[direction] - uncertain_rad2);
+  // The states' own errors are in what was learnt of the wearer, too, unless they are new.
+  const double learnt_rad2 = uncertain_rad2 > kLostRad2 ? 0 : uncertain_rad2;
+  const double skin_rad2 = std::max(least_rad2, variance_rad2[direction] - learnt_rad2);
   double noise_rad2 = std::max(least_rad2, strength2 * skin_rad2);
   for (std::size_t i = 0; i < count_; ++i)
-    noise_rad2 +=
-        tilt_rad2[i] *
-        directions_.eigenvectors().col(direction).segment<3>(static_cast<Index>(3 * i)).squaredNorm();
-  if (innovation_rad * innovation_rad > settings_.gate * settings_.gate * (uncertain_rad2 + noise_rad2))
-    return;
+    noise_rad2 += tilt_rad2[i] * along.segment<3>(static_cast<Index>(3 * i)).squaredNorm();
+  // What gaps have added lately, a second.
+  double gaps_rad2_s = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double heading = observation_[static_cast<Index>(i)];
+    gaps_rad2_s += heading * heading * gaps_rad2_s_[i];
+  }
+  const double at_gate_rad2 = innovation_rad * innovation_rad / (settings_.gate * settings_.gate);
+  if (at_gate_rad2 > uncertain_rad2 + noise_rad2) {
+    if (kGapMemory_s * gaps_rad2_s < kGapCutShare * noise_rad2) return;
+    noise_rad2 = at_gate_rad2 - uncertain_rad2;
+  }
   // States less certain than the skin, as after a gap: one look at it counts in full.
   if (uncertain_rad2 > std::max(noise_rad2, kLostRad2)) {
     correct(innovation_rad, noise_rad2);
     return;
   }
-  const double correlation_s =
-      level_.variance_factor(directions_.eigenvectors().col(direction)) *
+  double correlation_s =
       std::min(settings_.correlation_s, settings_.first_correlation_s + kCorrelationGrowth * since_start_s_);
-  correct(innovation_rad, noise_rad2 * correlation_s / waited_s);
+  if (gaps_rad2_s * correlation_s > kGapShare * noise_rad2)
+    correlation_s =
+        std::min(correlation_s, std::max(kGapCorrelation_s, kGapShare * noise_rad2 / gaps_rad2_s));
+  correct(innovation_rad, noise_rad2 * level_.variance_factor(along) * correlation_s / waited_s);
 }
 
 void DriftFilter::observe_axis(std::size_t sensor, Index axis, const Vec3& turn_rad, const Vec3& up) {
@@ -365,7 +401,7 @@ void DriftFilter::expect_moved(std::size_t sensor, const Vec3& turn_rad, const V
   wearer_rad2_.middleRows<3>(at).setZero();
   wearer_rad2_.middleCols<3>(at).setZero();
   wearer_rad2_.block<3, 3>(at, at) = people_rad2_.block<3, 3>(at, at);
-  changed_s_ = directions_s_ = kLatest_s;
+  directions_s_ = kLatest_s;
   const bool known = observed_s_[sensor] >= settings_.mean_s;
   observed_s_[sensor] = known ? settings_.mean_s : 0;
   if (!known) mean_rad_.segment<3>(at).setZero();

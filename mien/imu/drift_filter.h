@@ -176,10 +176,11 @@ class DriftFilter {
   std::vector<double>
       observed_s_;                // By sensor: how long it has been present since start(), or since it moved.
   std::vector<double> absent_s_;  // By sensor: how long it has not been, while half of all were.
+  std::vector<double> gaps_rad2_s_;  // By sensor: what gaps have lately added to its heading's variance, a s.
   double since_start_s_ = 0;
 
   std::vector<bool> present_, directed_;  // Sensors now, and those of the directions.
-  double changed_s_ = 0;                  // How long they have differed.
+  std::vector<double> differs_s_;         // By sensor: how long they have differed.
   double directions_s_ = 0;               // Age of the directions.
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions_;
   std::vector<double> waited_s_;  // By direction, since its last measurement.

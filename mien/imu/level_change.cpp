@@ -44,21 +44,19 @@ bool JointChange::beyond(double gate) const {
   return squares_ > count_ + gate * std::sqrt(2 * count_);
 }
 
-double JointChange::rms() const {
-  return count_ > 0 ? std::sqrt(squares_ / count_) : 0;
-}
-
 bool is_displacement(const Eigen::VectorXd& change_rad) {
   const double all_rad2 = change_rad.squaredNorm();
-  const Eigen::Index sensors = change_rad.size() / 3;
-  double most_rad2 = 0;
-  Eigen::Vector3d common_rad = Eigen::Vector3d::Zero();
-  for (Eigen::Index i = 0; i < sensors; ++i) {
-    most_rad2 = std::max(most_rad2, change_rad.segment<3>(3 * i).squaredNorm());
-    common_rad += change_rad.segment<3>(3 * i) / static_cast<double>(sensors);
+  double most_rad2 = 0, sensors = 0;
+  Eigen::Vector3d sum_rad = Eigen::Vector3d::Zero();
+  for (Eigen::Index at = 0; at < change_rad.size(); at += 3) {
+    const double one_rad2 = change_rad.segment<3>(at).squaredNorm();
+    if (one_rad2 == 0) continue;  // It is absent.
+    most_rad2 = std::max(most_rad2, one_rad2);
+    sum_rad += change_rad.segment<3>(at);
+    ++sensors;
   }
   return sensors > 1 && (most_rad2 > kOneSensorShare * all_rad2 ||
-                         static_cast<double>(sensors) * common_rad.squaredNorm() > kCommonShare * all_rad2);
+                         sum_rad.squaredNorm() > kCommonShare * sensors * all_rad2);
 }
 
 }  // namespace mien::imu

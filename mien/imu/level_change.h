@@ -33,15 +33,13 @@ class JointChange {
   void add(double deviations);
   /// Beyond the expectation by more than `gate` standard deviations.
   [[nodiscard]] bool beyond(double gate) const;
-  /// Root of the mean square.
-  [[nodiscard]] double rms() const;
 
  private:
   double squares_ = 0, count_ = 0;
 };
 
 /// Whether a change of the skin's rotations is an adhesive's rather than an expression's: of one sensor
-/// alone, or common to all. `change_rad`: three axes a sensor.
+/// alone, or common to all. `change_rad`: three axes a sensor, zero where it is absent.
 [[nodiscard]] bool is_displacement(const Eigen::VectorXd& change_rad);
 
 }  // namespace mien::imu

@@ -54,6 +54,7 @@ void LevelJump::look(const Eigen::MatrixXd& seconds_rad, const Eigen::VectorXd& 
                 seconds_rad.middleCols(seconds_rad.cols() - kLast - kBefore, kBefore).rowwise().mean();
   JointChange joint;
   bool any = false;
+  double most = 1;
   jump_rad_.setZero();
   for (Eigen::Index k = 0; k < directions.eigenvectors().cols(); ++k) {
     if (directions.eigenvalues()[k] >= missing_rad2) continue;
@@ -61,6 +62,7 @@ void LevelJump::look(const Eigen::MatrixXd& seconds_rad, const Eigen::VectorXd& 
     const double change_rad = along.dot(change_rad_);
     const double deviations = change_rad / usual_.along_rad(along);
     joint.add(deviations);
+    most = std::max(most, std::abs(deviations) / settings_.gate);
     any = any || (std::abs(deviations) > settings_.gate && std::abs(change_rad) > least_rad_);
     if (std::abs(deviations) > kDeviationsOfJump) jump_rad_ += change_rad * along;
   }
@@ -75,8 +77,8 @@ void LevelJump::look(const Eigen::MatrixXd& seconds_rad, const Eigen::VectorXd& 
       held_s_ = 0;
     }
   }
-  // A jump counts among the usual changes for less than it is.
-  if (jumped) change_rad_ /= joint.rms();
+  // A jump counts among the usual changes for no more than the gate.
+  if (jumped) change_rad_ /= most;
   usual_.add(change_rad_);
 }
 

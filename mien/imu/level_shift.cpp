@@ -88,7 +88,7 @@ void LevelShift::follow(double dt_s, const Eigen::VectorXd& deviation_rad) {
 void LevelShift::end_second() {
   for (Index second = 0; second + 1 < seconds_rad_.cols(); ++second)
     seconds_rad_.col(second) = seconds_rad_.col(second + 1);
-  seconds_rad_.rightCols<1>() = sum_rad_ / sum_s_ + total_rad_;
+  seconds_rad_.rightCols<1>() = sum_rad_ / sum_s_;
   sum_rad_.setZero();
   sum_s_ = 0;
   ++seconds_;
@@ -184,11 +184,11 @@ void LevelShift::detect(const Directions& directions, double missing_rad2) {
 void LevelShift::add(double dt_s, const Eigen::VectorXd& deviation_rad, const Directions& directions,
                      double missing_rad2) {
   if (settings_.gate <= 0) return;
+  sum_rad_ += dt_s * (deviation_rad + total_rad_);
+  sum_s_ += dt_s;
   follow(dt_s, deviation_rad);
   jump_.follow(dt_s, deviation_rad);
   total_rad_ = offset_rad_ + jump_.offset_rad();
-  sum_rad_ += dt_s * deviation_rad;
-  sum_s_ += dt_s;
   if (sum_s_ < 1) return;
   end_second();
   if (seconds_ >= LevelJump::kLast + LevelJump::kBefore)
