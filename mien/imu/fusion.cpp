@@ -17,8 +17,10 @@ constexpr double kExpectedRestTime = 1.0 / 3;
 constexpr double kExpectedRestTolerance = 2.0;
 /// A step longer than this many times the one before is a gap.
 constexpr double kGapSteps = 2.5;
-/// Correlation time of a head's or skin's angular rate, s.
-constexpr double kRateCorrelation_s = 0.25;
+/// Rates last for so long, s; after that they are taken as a process of this correlation time, s.
+constexpr double kRateLasts_s = 0.04, kRateCorrelation_s = 0.08;
+/// A gap hides this share of the mean of its end rates, and of their difference.
+constexpr double kHiddenOfMean = 0.25, kHiddenOfChange = 0.2;
 
 double wrap(double angle) {
   return std::remainder(angle, kTurn);
@@ -37,14 +39,19 @@ Vec3 turn_between(const Vec3& rate0, const Vec3& rate1, double dt_s) {
 }
 
 /// The time over which the mean of a gap's end rates is integrated, s. Heads and skin turn back and forth, so
-/// the rate is taken as an Ornstein-Uhlenbeck process pinned at both ends: the integral of its mean.
+/// beyond a moment the rate is an Ornstein-Uhlenbeck process pinned at both ends: the integral of its mean.
 double effective_time(double gap_s) {
-  return 2 * kRateCorrelation_s * std::tanh(0.5 * gap_s / kRateCorrelation_s);
+  if (gap_s <= kRateLasts_s) return gap_s;
+  return kRateLasts_s + 2 * kRateCorrelation_s * std::tanh(0.5 * (gap_s - kRateLasts_s) / kRateCorrelation_s);
 }
 
-/// How much of a gap's rate its two ends do not show, 0 to 1: within a few hundredths of a second rates
+/// After a long gap the inclination that its end rates tell counts for as much time of forces as its variance
+/// times that time is this, rad^2 s (5 deg: 0.6 s), at most so long, s.
+constexpr double kPrior_rad2_s = 0.0046, kMostPrior_s = 6;
+
+/// How much of what a gap can hide it does, 0 to 1: within a few hundredths of a second rates
 /// hardly turn. Fitted to gaps of 21 to 254 ms in virtual performances (docs/method/fusion.md).
-double unseen_share(double gap_s) {
+double hidden_share(double gap_s) {
   constexpr double kTurning_s = 0.07;
   return 1 - std::exp(-gap_s / kTurning_s);
 }
@@ -67,7 +74,7 @@ template <int N>
 const typename LowPass<N>::Vector& LowPass<N>::add(double dt_s, const Vector& value) {
   elapsed_s_ += dt_s;
   if (elapsed_s_ <= tau_s_) {
-    sum_ = count_ == 0 ? value : Vector(sum_ + value);
+    sum_ += value;
     count_ += 1;
     value_ = sum_ / count_;
     band_.setZero();
@@ -123,14 +130,16 @@ void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
     dt_s = 0;
     last_raw_ = gyro_rad_s;
   } else if (last_dt_s_ > 0 && dt_s > kGapSteps * last_dt_s_) {
-    // Standard deviation of the angle between the two ends of the gap.
-    const double change = std::hypot(0.25 * (gyro_rad_s - last_raw_).norm(), settings_.unseen_rate_rad_s) *
-                          dt_s * unseen_share(dt_s);
+    // Standard deviation of the angle between the two ends of the gap, an axis.
+    const double hidden_rad_s =
+        std::hypot(kHiddenOfMean * 0.5 * (gyro_rad_s + last_raw_).norm(),
+                   kHiddenOfChange * (gyro_rad_s - last_raw_).norm(), settings_.unseen_rate_rad_s);
+    const double change = hidden_rad_s * dt_s * hidden_share(dt_s);
     gap_sigma_ = std::hypot(gap_sigma_, change);
     if (dt_s > settings_.max_gap_s) {
       gap_sigma_ = std::hypot(gap_sigma_, std::numbers::pi * std::min(1.0, dt_s / 10));
       ++restarts_;
-      force_.restart();
+      force_.restart(std::min(kMostPrior_s, kPrior_rad2_s / (change * change)) / last_dt_s_);
       rotation_.restart();
       rotated_bias_.restart();
       rest_gyro_.restart();

@@ -110,7 +110,8 @@ struct FusionSettings {
   double clip_excess = 0.5;
 
   /// Longest gap, s, that is bridged by the rates at its ends; after a longer one the inclination is begun
-  /// anew from gravity. (A step of more than 2.5 times the one before is a gap.) Raising: longer gaps are
+  /// anew from gravity, and from those rates as far as they are certain. (A step of more than 2.5 times the
+  /// one before is a gap.) Raising: longer gaps are
   /// bridged, inclinations may be wrong. Lowering: inclinations are begun anew more often.
   double max_gap_s = 0.25;
   /// Standard deviation of the mean rate within a gap that its two ends do not show, rad/s (17 deg/s).
@@ -132,10 +133,11 @@ class LowPass {
 
   const Vector& add(double dt_s, const Vector& value);
   [[nodiscard]] const Vector& value() const { return value_; }
-  /// Begins the initial averaging again, with the next value.
-  void restart() {
+  /// Begins the initial averaging again. The present value counts for so many of the next ones.
+  void restart(double values = 0) {
     elapsed_s_ = 0;
-    count_ = 0;
+    count_ = count_ > 0 ? values : 0;
+    sum_ = count_ * value_;
   }
 
  private:

@@ -186,14 +186,15 @@ TEST(Fusion, ComesBackUprightAfterALongGap) {
 }
 
 TEST(Fusion, ARateIsForgottenInALongGap) {
-  // Round the vertical, which gravity does not mend: what counts of the half second is 2 tau tanh(gap / 2
-  // tau).
+  // Round the vertical, which gravity does not mend: what counts of the half second is 0.04 s and of the
+  // rest 2 tau tanh(rest / 2 tau), with a tau of 0.08 s.
   Fusion fusion;
   const Vec3 rate(0, 1, 0), force(0, 9.81, 0);
   for (int i = 0; i < 240; ++i) fusion.add(1 / 240.0, rate, force);
   const Quat before = fusion.orientation();
   fusion.add(0.5, rate, force);
-  EXPECT_NEAR(log_rotation(before.conjugate() * fusion.orientation()).y(), 0.5 * std::tanh(1.0), 0.01);
+  EXPECT_NEAR(log_rotation(before.conjugate() * fusion.orientation()).y(),
+              0.04 + 0.16 * std::tanh(0.46 / 0.16), 0.01);
 }
 
 TEST(Fusion, TurnsToMagneticNorthAndHoldsItAgainstAMagnet) {
