@@ -230,6 +230,35 @@ double error_after_putting_on_deg(std::uint64_t seed, const DriftSettings& setti
   return wearer.turn_error(filter, 2).norm() / kRadPerDeg;
 }
 
+TEST(DriftFilter, GapsThatComeOftenAreFollowed) {
+  // A tenth of the packets is lost in bursts of a sixth of a second: each hides a turn about the vertical, of
+  // which one in ten is twice as large.
+  for (const std::uint64_t seed : {31, 32, 33}) {
+    Wearer wearer(seed);
+    DriftFilter filter = calibrated();
+    std::array<double, kSensors> back_s{};
+    double squares_rad2 = 0, frames = 0;
+    wearer.wear(filter, 180, [&] {
+      for (std::size_t i = 0; i < kSensors; ++i) {
+        if (!wearer.present[i] && wearer.t_s >= back_s[i]) {
+          const double hidden_rad = (wearer.random.chance(0.1) ? 6 : 2.5) * kRadPerDeg;
+          wearer.heading_rad[i] += hidden_rad * wearer.random.normal();
+          filter.inflate(i, 3 * kRadPerDeg);
+          wearer.present[i] = true;
+        } else if (wearer.present[i] && wearer.random.chance(kFrame_s / 1.5)) {
+          back_s[i] = wearer.t_s + 1.0 / 6;
+          wearer.present[i] = false;
+        }
+        if (!wearer.present[i] || wearer.t_s < 20) continue;
+        const double error_rad = wearer.heading_error(filter, i);
+        squares_rad2 += error_rad * error_rad;
+        ++frames;
+      }
+    });
+    EXPECT_LT(std::sqrt(squares_rad2 / frames), 2.5 * kRadPerDeg) << seed;
+  }
+}
+
 TEST(DriftFilter, ASensorThatWasPutOnAgainIsFound) {
   DriftSettings never;
   never.taken_off_s = 1e9;

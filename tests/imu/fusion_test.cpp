@@ -197,6 +197,33 @@ TEST(Fusion, ARateIsForgottenInALongGap) {
               0.04 + 0.16 * std::tanh(0.46 / 0.16), 0.01);
 }
 
+TEST(Fusion, AGapHidesWhatItsEndsLetIt) {
+  const auto hidden_deg = [](double gap_s, double rate_deg_s) {
+    Fusion fusion;
+    const Vec3 rate(0, rate_deg_s * kRadPerDeg, 0), force(0, kStandardGravity_m_s2, 0);
+    for (int i = 0; i < 240; ++i) fusion.add(1 / 240.0, rate, force);
+    fusion.add(gap_s, rate, force);
+    return fusion.gap_sigma_rad() / kRadPerDeg;
+  };
+  EXPECT_LT(hidden_deg(5 / 240.0, 0), 0.15) << "one lost packet of four samples";
+  EXPECT_GT(hidden_deg(41 / 240.0, 0), 2) << "ten";
+  EXPECT_GT(hidden_deg(41 / 240.0, 500), 15) << "nobody knows when so quick a turn ended";
+}
+
+TEST(Fusion, AForceAfterALongGapIsNoVertical) {
+  Fusion fusion;
+  for (int i = 0; i < 240 * 5; ++i) fusion.add(1 / 240.0, Vec3::Zero(), Vec3(0, kStandardGravity_m_s2, 0));
+  const Quat before = fusion.orientation();
+  // A step of the wearer: 17 degrees, were it taken for one.
+  const Vec3 pushed(3, kStandardGravity_m_s2, 0);
+  fusion.add(0.3, Vec3::Zero(), pushed);
+  for (int i = 0; i < 24; ++i) fusion.add(1 / 240.0, Vec3::Zero(), pushed);
+  EXPECT_LT(angle_between(before, fusion.orientation()), 5 * kRadPerDeg);
+  // After many seconds nobody knows how it sits.
+  fusion.add(20, Vec3::Zero(), pushed);
+  EXPECT_GT(angle_between(before, fusion.orientation()), 15 * kRadPerDeg);
+}
+
 TEST(Fusion, TurnsToMagneticNorthAndHoldsItAgainstAMagnet) {
   Random random(8);
   const Motion motion;
