@@ -7,6 +7,7 @@
 
 #include "mien/core/covariance.h"
 #include "mien/core/units.h"
+#include "mien/imu/heading.h"
 
 namespace mien::imu {
 namespace {
@@ -56,11 +57,6 @@ constexpr std::size_t kLeastForEar = 3;
 
 /// Standard deviation of a heading after a fault of the filter, rad (10 deg).
 constexpr double kAnewSigmaRad = 0.17;
-
-double wrapped(double angle) {
-  const double rest = std::remainder(angle, 2 * std::numbers::pi);
-  return rest <= -std::numbers::pi ? std::numbers::pi : rest;
-}
 
 /// What a heading error of one radian adds to the rotation vector `turn_rad`: log(exp(e up) exp(r)) to the
 /// first order of e and the second of r.
@@ -129,7 +125,7 @@ void DriftFilter::start() {
 
 void DriftFilter::move_to(std::size_t sensor, double heading_rad, double sigma_rad) {
   level_.interrupt();
-  heading_rad_[sensor] = wrapped(heading_rad);
+  heading_rad_[sensor] = wrap_heading(heading_rad);
   rate_rad_s_[sensor] = 0;
   const auto heading = static_cast<Index>(sensor);
   for (const Index state : {heading, rate(sensor)}) {
@@ -148,7 +144,7 @@ void DriftFilter::inflate(std::size_t sensor, double sigma_rad) {
 
 void DriftFilter::turn_all(double by_rad, double sigma_rad) {
   if (by_rad != 0 || sigma_rad > kTurnedRad) level_.interrupt();
-  for (double& heading : heading_rad_) heading = wrapped(heading + by_rad);
+  for (double& heading : heading_rad_) heading = wrap_heading(heading + by_rad);
   const auto n = static_cast<Index>(count_);
   covariance_.topLeftCorner(n, n).array() += sigma_rad * sigma_rad;
 }
@@ -158,7 +154,7 @@ double DriftFilter::heading_sigma_rad(std::size_t sensor) const {
   return std::min(std::numbers::pi, std::sqrt(std::max(0.0, covariance_(heading, heading))));
 }
 
-Mat3 DriftFilter::rotation_covariance(std::size_t sensor, const Vec3& up) const {
+Mat3 DriftFilter::states_covariance(std::size_t sensor, const Vec3& up) const {
   // E_i's error is up e + (creep - ear's creep) to first order.
   const auto heading = static_cast<Index>(sensor);
   const Mat3 creeps = covariance_.block<3, 3>(creep(sensor), creep(sensor)) +
@@ -167,6 +163,14 @@ Mat3 DriftFilter::rotation_covariance(std::size_t sensor, const Vec3& up) const 
   const Vec3 shared =
       covariance_.block<3, 1>(creep(sensor), heading) - covariance_.block<3, 1>(ear(), heading);
   return creeps + up * (covariance_(heading, heading) * up + shared).transpose() + shared * up.transpose();
+}
+
+Mat3 DriftFilter::rotation_covariance(std::size_t sensor, const Vec3& up) const {
+  // All is measured about the mean of the wearer's skin, which is of so many independent looks at it.
+  const auto at = static_cast<Index>(3 * sensor);
+  const double learnt = std::min(1.0, observed_s_[sensor] / settings_.mean_s);
+  const double looks = std::max(1.0, settings_.mean_s / settings_.correlation_s);
+  return states_covariance(sensor, up) + learnt / looks * wearer_rad2_.block<3, 3>(at, at);
 }
 
 bool DriftFilter::sound() const {
@@ -185,7 +189,8 @@ void DriftFilter::predict(double dt_s) {
   if (dt_s <= 0) return;
   const auto n = static_cast<Index>(count_);
   for (double& gaps : gaps_rad2_s_) gaps *= std::exp(-dt_s / kGapMemory_s);
-  for (std::size_t i = 0; i < count_; ++i) heading_rad_[i] = wrapped(heading_rad_[i] + rate_rad_s_[i] * dt_s);
+  for (std::size_t i = 0; i < count_; ++i)
+    heading_rad_[i] = wrap_heading(heading_rad_[i] + rate_rad_s_[i] * dt_s);
   // F P F^T: headings integrate their rates. Then the process noise.
   covariance_.topRows(n) += dt_s * covariance_.middleRows(n, n);
   covariance_.leftCols(n) += dt_s * covariance_.middleCols(n, n);
@@ -206,7 +211,7 @@ void DriftFilter::correct(double innovation_rad, double noise_rad2) {
   spread_ *= innovation_rad / expected_rad2;  // The states' change.
   for (std::size_t i = 0; i < count_; ++i) {
     // Heading errors are estimate less truth, so they are subtracted.
-    heading_rad_[i] = wrapped(heading_rad_[i] - spread_[static_cast<Index>(i)]);
+    heading_rad_[i] = wrap_heading(heading_rad_[i] - spread_[static_cast<Index>(i)]);
     rate_rad_s_[i] -= spread_[rate(i)];
     creep_rad_[i] += spread_.segment<3>(creep(i));
   }
@@ -453,12 +458,12 @@ void DriftFilter::observe_rest(std::span<const std::optional<Vec3>> turn_rad,
     if (covariance_(static_cast<Index>(i), static_cast<Index>(i)) < kAnywhereRad2) continue;
     // The heading that brings it nearest to neutral, whatever it was.
     const Quat& turn = resting.back().turn;
-    heading_rad_[i] = wrapped(heading_rad_[i] - 2 * std::atan2(turn.vec().dot(up), turn.w()));
+    heading_rad_[i] = wrap_heading(heading_rad_[i] - 2 * std::atan2(turn.vec().dot(up), turn.w()));
   }
   const Quat ear_before = exp_rotation(-ear_creep_rad_);
   std::vector<Vec3> left_rad(resting.size());
   const auto left = [&](const Resting& one) {
-    const double turned_rad = wrapped(heading_rad_[one.sensor] - one.heading_rad);
+    const double turned_rad = wrap_heading(heading_rad_[one.sensor] - one.heading_rad);
     return log_rotation(exp_rotation(ear_creep_rad_) * ear_before * exp_rotation(turned_rad * up) * one.turn *
                         one.creep * exp_rotation(-creep_rad_[one.sensor]));
   };
@@ -467,7 +472,7 @@ void DriftFilter::observe_rest(std::span<const std::optional<Vec3>> turn_rad,
   for (const Resting& one : resting) {
     const Vec3 off_rad = left(one);
     const Mat3 expected_rad2 =
-        rotation_covariance(one.sensor, up) + one.sigma_rad * one.sigma_rad * Mat3::Identity();
+        states_covariance(one.sensor, up) + one.sigma_rad * one.sigma_rad * Mat3::Identity();
     if (off_rad.dot(expected_rad2.ldlt().solve(off_rad)) >= kRestGate2) expect_moved(one.sensor, off_rad, up);
   }
   // In the limit of small rotations the steps are one measurement of `sigma_rad`.

@@ -122,7 +122,8 @@ class DriftFilter {
   /// Creep since start(): rotation vector, frame H, rad. E_i = exp(ear creep) C P_i N_i^T C^T exp(-creep).
   [[nodiscard]] const Vec3& creep_rad(std::size_t sensor) const { return creep_rad_[sensor]; }
   [[nodiscard]] const Vec3& ear_creep_rad() const { return ear_creep_rad_; }
-  /// Covariance of the error of E_i that headings and creep leave, frame H, rad^2. `up`: as of add_skin().
+  /// Covariance of the error of E_i that headings, creep and the mean of the wearer's skin leave, frame H,
+  /// rad^2. `up`: as of add_skin().
   [[nodiscard]] Mat3 rotation_covariance(std::size_t sensor, const Vec3& up) const;
   /// Whether the covariance is one (is_covariance()).
   [[nodiscard]] bool sound() const;
@@ -160,6 +161,8 @@ class DriftFilter {
   void correct_ear_by_rest(std::span<const Vec3> turn_rad, std::span<const Resting> resting, const Vec3& up);
   /// Sensor and wearer's distribution after the sensor was found to sit elsewhere by `turn_rad`.
   void expect_moved(std::size_t sensor, const Vec3& turn_rad, const Vec3& up);
+  /// What headings and creep leave of E_i, as rotation_covariance() has it.
+  [[nodiscard]] Mat3 states_covariance(std::size_t sensor, const Vec3& up) const;
   void check();
 
   DriftSettings settings_;

@@ -7,11 +7,11 @@
 #include <numbers>
 
 #include "mien/core/covariance.h"
+#include "mien/imu/heading.h"
 
 namespace mien::imu {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 /// While a wearer was asked to hold still, rest_min_s and the rest thresholds are multiplied by these.
 constexpr double kExpectedRestTime = 1.0 / 3;
 constexpr double kExpectedRestTolerance = 2.0;
@@ -21,10 +21,6 @@ constexpr double kGapSteps = 2.5;
 constexpr double kRateLasts_s = 0.04, kRateCorrelation_s = 0.08;
 /// A gap hides this share of the mean of its end rates, and of their difference.
 constexpr double kHiddenOfMean = 0.25, kHiddenOfChange = 0.2;
-
-double wrap(double angle) {
-  return std::remainder(angle, kTurn);
-}
 
 /// 1 - exp(-dt / tau): how much of a step a first-order low-pass follows.
 double gain(double dt_s, double tau_s) {
@@ -330,7 +326,7 @@ void Fusion::fuse_mag(const Vec3& mag) {
     m.start_gain = m.start_gain / (m.start_gain + 1);
     if (m.start_gain * settings_.tau_mag_s < dt_s) m.start_gain = 0;
   }
-  heading_ = wrap(heading_ + k * wrap(-std::atan2(field.x(), field.z()) - heading_));
+  heading_ = wrap_heading(heading_ + k * wrap_heading(-std::atan2(field.x(), field.z()) - heading_));
 }
 
 }  // namespace mien::imu

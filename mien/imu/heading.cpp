@@ -11,12 +11,12 @@ constexpr double kPi = std::numbers::pi;
 /// Errors of successive nods are correlated: independent measurements that a prologue counts for.
 constexpr double kIndependentLooks = 2;
 
-double wrap_heading(double angle) {
-  const double wrapped = std::remainder(angle, 2 * kPi);
-  return wrapped <= -kPi ? kPi : wrapped;
-}
-
 }  // namespace
+
+double wrap_heading(double angle_rad) {
+  const double wrapped_rad = std::remainder(angle_rad, 2 * kPi);
+  return wrapped_rad <= -kPi ? kPi : wrapped_rad;
+}
 
 Quat heading_turn(double angle_rad) {
   return Quat(Eigen::AngleAxisd(angle_rad, Vec3::UnitY()));

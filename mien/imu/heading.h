@@ -8,6 +8,8 @@ namespace mien::imu {
 
 /// Z(angle): the rotation about the vertical, +Y, from one fusion's world frame to another's.
 [[nodiscard]] Quat heading_turn(double angle_rad);
+/// The same angle within (-pi, pi], rad.
+[[nodiscard]] double wrap_heading(double angle_rad);
 
 /// Sums of P(Z) = R_h^T Z R_i over frames, for every Z at once: Z is linear in 1, cos and sin of its angle,
 /// so three 3 x 3 sums suffice for a search over all headings. No frame is stored. Frames and symbols:

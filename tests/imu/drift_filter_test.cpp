@@ -114,12 +114,14 @@ TEST(DriftFilter, KeepsAnExpressionThatIsHeld) {
 }
 
 TEST(DriftFilter, ErrorsAreAsLargeAsTheCovariance) {
-  const DriftSettings settings;
+  // Of this wearer's skin, which forgets its motion within seconds.
+  DriftSettings settings;
+  settings.correlation_s = settings.first_correlation_s = 5;
   double sum = 0;
   constexpr int kSeeds = 8;
   for (std::uint64_t seed = 11; seed < 11 + kSeeds; ++seed) {
     Wearer wearer(seed);
-    DriftFilter filter = calibrated();
+    DriftFilter filter = calibrated(Skin().people, settings);
     Random random(seed + 100);
     std::array<double, kSensors> rate_rad_s{};
     for (std::size_t i = 0; i < kSensors; ++i) {
