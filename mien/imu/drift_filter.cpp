@@ -29,8 +29,9 @@ constexpr double kFirstMean_s = 10;
 constexpr double kCorrelationGrowth = 0.2;
 /// Gaps: what they add to the headings' variance is averaged over this time, s. The correlation time is at
 /// most this share of the time in which it adds up to the skin's variance, and at least this, s. Where this
-/// share of the skin's variance has been added, a deviation beyond the gate is cut to it, not ignored: what
-/// was missed has heavy tails. Chosen on packets lost in bursts (docs/experiments/hours.md).
+/// share of the skin's variance has been added, a deviation beyond the gate is not ignored but weighs the
+/// less the larger it is: what was missed has heavy tails. Chosen on packets lost in bursts
+/// (docs/experiments/hours.md).
 constexpr double kGapMemory_s = 10, kGapShare = 0.15, kGapCorrelation_s = 0.7, kGapCutShare = 0.25;
 /// A common turn this uncertain, rad (5 deg), is no expression.
 constexpr double kTurnedRad = 0.087;
@@ -139,7 +140,7 @@ void DriftFilter::move_to(std::size_t sensor, double heading_rad, double sigma_r
 void DriftFilter::inflate(std::size_t sensor, double sigma_rad) {
   const auto heading = static_cast<Index>(sensor);
   covariance_(heading, heading) += sigma_rad * sigma_rad;
-  gaps_rad2_s_[sensor] += sigma_rad * sigma_rad / kGapMemory_s;
+  gaps_rad2_s_[sensor] += std::min(sigma_rad * sigma_rad, kLostRad2) / kGapMemory_s;
 }
 
 void DriftFilter::turn_all(double by_rad, double sigma_rad) {
@@ -166,7 +167,8 @@ Mat3 DriftFilter::states_covariance(std::size_t sensor, const Vec3& up) const {
 }
 
 Mat3 DriftFilter::rotation_covariance(std::size_t sensor, const Vec3& up) const {
-  // All is measured about the mean of the wearer's skin, which is of so many independent looks at it.
+  // The states come to rest about the mean of the wearer's skin as it is learnt, of so many independent
+  // looks.
   const auto at = static_cast<Index>(3 * sensor);
   const double learnt = std::min(1.0, observed_s_[sensor] / settings_.mean_s);
   const double looks = std::max(1.0, settings_.mean_s / settings_.correlation_s);
@@ -265,20 +267,22 @@ void DriftFilter::learn(double dt_s) {
 }
 
 void DriftFilter::find_directions() {
+  std::vector<bool> others(count_);
+  for (std::size_t i = 0; i < count_; ++i)
+    others[i] = present_[i] || (directed_[i] && differs_s_[i] <= kGoneAfter_s);
   // A missing sensor's axes are directions of their own, which no measurement uses.
   distribution_rad2_ = wearer_rad2_;
   for (std::size_t i = 0; i < count_; ++i) {
-    if (present_[i]) continue;
+    if (others[i]) continue;
     const auto at = static_cast<Index>(3 * i);
     distribution_rad2_.middleRows<3>(at).setZero();
     distribution_rad2_.middleCols<3>(at).setZero();
     distribution_rad2_.block<3, 3>(at, at) = kMissingRad2 * Mat3::Identity();
   }
   directions_.compute(distribution_rad2_);
-  if (present_ != directed_) level_.interrupt();
-  directed_ = present_;
+  if (others != directed_) level_.interrupt();
+  directed_ = others;
   directions_s_ = 0;
-  std::ranges::fill(differs_s_, 0.0);
   std::ranges::fill(waited_s_, 0.0);
 }
 
@@ -312,6 +316,8 @@ void DriftFilter::add_skin(double dt_s, std::span<const std::optional<Vec3>> tur
   if (others || directions_s_ > std::clamp(0.5 * since_start_s_, kSoonest_s, kLatest_s)) {
     check();
     find_directions();
+    for (std::size_t i = 0; i < count_; ++i)
+      if (!directed_[i]) deviation_rad_.segment<3>(static_cast<Index>(3 * i)).setZero();
   }
   for (double& waited : waited_s_) waited += dt_s;
   level_.add(dt_s, deviation_rad_, directions_, 0.5 * kMissingRad2);
@@ -360,7 +366,7 @@ void DriftFilter::measure(Index direction, double strength2, std::span<const dou
   const double innovation_rad = along_rad_[direction] - observation_.dot(changed_);
   spread_.noalias() = covariance_ * observation_;
   const double uncertain_rad2 = observation_.dot(spread_);
-  // The states' own errors are in what was learnt of the wearer, too, unless they are new.
+  // The states' own errors are in what was learnt of the wearer, too, but for those of a lost sensor.
   const double learnt_rad2 = uncertain_rad2 > kLostRad2 ? 0 : uncertain_rad2;
   const double skin_rad2 = std::max(least_rad2, variance_rad2[direction] - learnt_rad2);
   double noise_rad2 = std::max(least_rad2, strength2 * skin_rad2);
@@ -372,6 +378,11 @@ void DriftFilter::measure(Index direction, double strength2, std::span<const dou
     const double heading = observation_[static_cast<Index>(i)];
     gaps_rad2_s += heading * heading * gaps_rad2_s_[i];
   }
+  double correlation_s =
+      std::min(settings_.correlation_s, settings_.first_correlation_s + kCorrelationGrowth * since_start_s_);
+  if (gaps_rad2_s * correlation_s > kGapShare * noise_rad2)
+    correlation_s =
+        std::min(correlation_s, std::max(kGapCorrelation_s, kGapShare * noise_rad2 / gaps_rad2_s));
   const double at_gate_rad2 = innovation_rad * innovation_rad / (settings_.gate * settings_.gate);
   if (at_gate_rad2 > uncertain_rad2 + noise_rad2) {
     if (kGapMemory_s * gaps_rad2_s < kGapCutShare * noise_rad2) return;
@@ -382,12 +393,8 @@ void DriftFilter::measure(Index direction, double strength2, std::span<const dou
     correct(innovation_rad, noise_rad2);
     return;
   }
-  double correlation_s =
-      std::min(settings_.correlation_s, settings_.first_correlation_s + kCorrelationGrowth * since_start_s_);
-  if (gaps_rad2_s * correlation_s > kGapShare * noise_rad2)
-    correlation_s =
-        std::min(correlation_s, std::max(kGapCorrelation_s, kGapShare * noise_rad2 / gaps_rad2_s));
-  correct(innovation_rad, noise_rad2 * level_.variance_factor(along) * correlation_s / waited_s);
+  correct(innovation_rad,
+          noise_rad2 * level_.variance_factor(along) * std::max(1.0, correlation_s / waited_s));
 }
 
 void DriftFilter::observe_axis(std::size_t sensor, Index axis, const Vec3& turn_rad, const Vec3& up) {

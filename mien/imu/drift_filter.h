@@ -40,7 +40,7 @@ struct DriftSettings {
   // Measurement by the wearer's distribution.
   /// Correlation time of the skin's deviation from its mean, s: one independent measurement in this time.
   /// Expressions last for seconds, and what a performer does for minutes. Raising: measurements weigh less,
-  /// held expressions stay for longer. Lowering: drift is held tighter.
+  /// held expressions stay for longer. Lowering: drift is held tighter. After gaps it is shorter for a while.
   double correlation_s = 60;
   /// The same right after a calibration, from where it grows by a fifth of the time that has passed: a mean
   /// of few seconds is learnt along. Raising: the first minutes' headings are less certain. Lowering: they
@@ -81,7 +81,8 @@ struct DriftSettings {
 /// table). Directions in which this skin hardly ever moves show drift at once, those in which it moves
 /// strongly only slowly; beyond a gate a deviation is an expression. Error model, formulas and what it cannot
 /// tell: docs/method/fusion.md. Thread: one at a time. No allocation after construction. Cost: about 15 us a
-/// frame with eleven sensors, more where the directions are computed anew (every 10 to 300 s).
+/// frame with eleven sensors, more where the directions are computed anew (every 10 to 300 s, and when
+/// sensors come and go).
 class DriftFilter {
  public:
   /// `face_sensors`: names, in the order of all numbers below. `skin`: how people's skin turns; sensors that
@@ -94,7 +95,8 @@ class DriftFilter {
   /// Sets the heading of a sensor, Z_i's angle, and its standard deviation, rad; the rate becomes unknown.
   /// What was estimated of creep and wearer is kept.
   void move_to(std::size_t sensor, double heading_rad, double sigma_rad);
-  /// Adds the heading uncertainty of a gap, one standard deviation, rad.
+  /// Adds the heading uncertainty of a gap, one standard deviation, rad; for some seconds the skin then
+  /// weighs more.
   void inflate(std::size_t sensor, double sigma_rad);
   /// The ear sensor's own heading has changed by this, and is uncertain by this, rad: all headings together.
   void turn_all(double by_rad, double sigma_rad);

@@ -133,6 +133,7 @@ void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
     const double change = hidden_rad_s * dt_s * hidden_share(dt_s);
     gap_sigma_ = std::hypot(gap_sigma_, change);
     if (dt_s > settings_.max_gap_s) {
+      // A head turns where it likes: within ten seconds to anywhere.
       gap_sigma_ = std::hypot(gap_sigma_, std::numbers::pi * std::min(1.0, dt_s / 10));
       ++restarts_;
       force_.restart(std::min(kMostPrior_s, kPrior_rad2_s / (change * change)) / last_dt_s_);
@@ -165,7 +166,7 @@ void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
 
   // The filters need a step; the first sample gets a nominal one.
   const double step_s = dt_s > 0 ? dt_s : 1e-3;
-  detect_rest(step_s, gyro_rad_s, accel_m_s2);
+  detect_rest(gap ? last_dt_s_ : step_s, gyro_rad_s, accel_m_s2);
   correct_inclination(gap || dt_s == 0 ? std::numeric_limits<double>::infinity() : step_s, accel_m_s2);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -114,7 +115,8 @@ struct FusionSettings {
   /// one before is a gap.) Raising: longer gaps are
   /// bridged, inclinations may be wrong. Lowering: inclinations are begun anew more often.
   double max_gap_s = 0.25;
-  /// Standard deviation of the mean rate within a gap that its two ends do not show, rad/s (17 deg/s).
+  /// Standard deviation of the mean rate within a gap that its two ends do not show, rad/s (17 deg/s); of
+  /// gaps below a tenth of a second a part (docs/method/fusion.md).
   /// Raising: gaps make a sensor less certain, and it is left out sooner. Lowering: gaps are trusted more.
   double unseen_rate_rad_s = 0.3;
 };
@@ -133,11 +135,14 @@ class LowPass {
 
   const Vector& add(double dt_s, const Vector& value);
   [[nodiscard]] const Vector& value() const { return value_; }
-  /// Begins the initial averaging again. The present value counts for so many of the next ones.
+  /// Begins the initial averaging again. The present value counts for so many of the next ones, at most for
+  /// those that it is of.
   void restart(double values = 0) {
     elapsed_s_ = 0;
-    count_ = count_ > 0 ? values : 0;
+    count_ = std::min(count_, values);
     sum_ = count_ * value_;
+    low_ = value_;
+    band_.setZero();
   }
 
  private:

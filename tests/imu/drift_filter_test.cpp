@@ -234,7 +234,7 @@ double error_after_putting_on_deg(std::uint64_t seed, const DriftSettings& setti
 
 TEST(DriftFilter, GapsThatComeOftenAreFollowed) {
   // A tenth of the packets is lost in bursts of a sixth of a second: each hides a turn about the vertical, of
-  // which one in ten is twice as large.
+  // which one in ten is 2.4 times as large.
   for (const std::uint64_t seed : {31, 32, 33}) {
     Wearer wearer(seed);
     DriftFilter filter = calibrated();
@@ -423,6 +423,7 @@ TEST(DriftFilter, StartsAnewAsIfItWereNew) {
   Wearer before(62);  // A number of frames that is no multiple of the directions'.
   before.present[1] = false;
   before.wear(filter, 700.7, [&] { before.creep_rad[0] += 5 * kFrame_s * kCreep_rad_s; });
+  filter.inflate(2, 3 * kRadPerDeg);
   filter.start();
   for (std::size_t i = 0; i < kSensors; ++i) filter.move_to(i, 0, 0.5 * kRadPerDeg);
   DriftFilter fresh = calibrated();
