@@ -140,7 +140,7 @@ void DriftFilter::move_to(std::size_t sensor, double heading_rad, double sigma_r
 void DriftFilter::inflate(std::size_t sensor, double sigma_rad) {
   const auto heading = static_cast<Index>(sensor);
   covariance_(heading, heading) += sigma_rad * sigma_rad;
-  gaps_rad2_s_[sensor] += std::min(sigma_rad * sigma_rad, kLostRad2) / kGapMemory_s;
+  gaps_rad2_s_[sensor] += sigma_rad * sigma_rad / kGapMemory_s;
 }
 
 void DriftFilter::turn_all(double by_rad, double sigma_rad) {
