@@ -453,7 +453,7 @@ TEST(Pipeline, AHeadingThatNoSkinCouldHaveIsFoundAnewAtOnce) {
   play(recording, script, pipeline,
        [&](double t, const model::FeatureFrame& frame, const testing_head::ClockedPipeline&) {
          if (t < 13.3 || !frame.sensors[0].has_rotation) return;
-         EXPECT_LT(angle_between(rotation_of(frame.sensors[0]), Quat::Identity()), 15 * kRadPerDeg) << t;
+         EXPECT_LT(angle_between(rotation_of(frame.sensors[0]), Quat::Identity()), 12 * kRadPerDeg) << t;
          ++frames;
        });
   EXPECT_GT(frames, 100u);
