@@ -32,7 +32,7 @@ constexpr double kCorrelationGrowth = 0.2;
 /// share of the skin's variance has been added, a deviation beyond the gate is not ignored but weighs the
 /// less the larger it is: what was missed has heavy tails. Chosen on packets lost in bursts
 /// (docs/experiments/hours.md).
-constexpr double kGapMemory_s = 10, kGapShare = 0.15, kGapCorrelation_s = 0.7, kGapCutShare = 0.25;
+constexpr double kGapMemory_s = 10, kGapShare = 0.15, kGapCorrelation_s = 0.7, kSoftGateShare = 0.25;
 /// A common turn this uncertain, rad (5 deg), is no expression.
 constexpr double kTurnedRad = 0.087;
 /// Beyond this a direction's states are lost rather than drifted, rad^2 (6 deg).
@@ -167,12 +167,12 @@ Mat3 DriftFilter::states_covariance(std::size_t sensor, const Vec3& up) const {
 }
 
 Mat3 DriftFilter::rotation_covariance(std::size_t sensor, const Vec3& up) const {
-  // The states come to rest about the mean of the wearer's skin as it is learnt, of so many independent
+  // The states come to rest about the mean of the wearer's skin as it is estimated, of so many independent
   // looks.
   const auto at = static_cast<Index>(3 * sensor);
-  const double learnt = std::min(1.0, observed_s_[sensor] / settings_.mean_s);
+  const double share = std::min(1.0, observed_s_[sensor] / settings_.mean_s);
   const double looks = std::max(1.0, settings_.mean_s / settings_.correlation_s);
-  return states_covariance(sensor, up) + learnt / looks * wearer_rad2_.block<3, 3>(at, at);
+  return states_covariance(sensor, up) + share / looks * wearer_rad2_.block<3, 3>(at, at);
 }
 
 bool DriftFilter::sound() const {
@@ -190,7 +190,8 @@ void DriftFilter::check() {
 void DriftFilter::predict(double dt_s) {
   if (dt_s <= 0) return;
   const auto n = static_cast<Index>(count_);
-  for (double& gaps : gaps_rad2_s_) gaps *= std::exp(-dt_s / kGapMemory_s);
+  const double remembered = std::exp(-dt_s / kGapMemory_s);
+  for (double& gaps : gaps_rad2_s_) gaps *= remembered;
   for (std::size_t i = 0; i < count_; ++i)
     heading_rad_[i] = wrap_heading(heading_rad_[i] + rate_rad_s_[i] * dt_s);
   // F P F^T: headings integrate their rates. Then the process noise.
@@ -267,21 +268,22 @@ void DriftFilter::learn(double dt_s) {
 }
 
 void DriftFilter::find_directions() {
-  std::vector<bool> others(count_);
-  for (std::size_t i = 0; i < count_; ++i)
-    others[i] = present_[i] || (directed_[i] && differs_s_[i] <= kGoneAfter_s);
+  bool others = false;
   // A missing sensor's axes are directions of their own, which no measurement uses.
   distribution_rad2_ = wearer_rad2_;
   for (std::size_t i = 0; i < count_; ++i) {
-    if (others[i]) continue;
+    const bool directed = present_[i] || (directed_[i] && differs_s_[i] <= kGoneAfter_s);
+    others = others || directed != directed_[i];
+    directed_[i] = directed;
+    if (directed) continue;
     const auto at = static_cast<Index>(3 * i);
     distribution_rad2_.middleRows<3>(at).setZero();
     distribution_rad2_.middleCols<3>(at).setZero();
     distribution_rad2_.block<3, 3>(at, at) = kMissingRad2 * Mat3::Identity();
+    deviation_rad_.segment<3>(at).setZero();
   }
   directions_.compute(distribution_rad2_);
-  if (others != directed_) level_.interrupt();
-  directed_ = others;
+  if (others) level_.interrupt();
   directions_s_ = 0;
   std::ranges::fill(waited_s_, 0.0);
 }
@@ -316,8 +318,6 @@ void DriftFilter::add_skin(double dt_s, std::span<const std::optional<Vec3>> tur
   if (others || directions_s_ > std::clamp(0.5 * since_start_s_, kSoonest_s, kLatest_s)) {
     check();
     find_directions();
-    for (std::size_t i = 0; i < count_; ++i)
-      if (!directed_[i]) deviation_rad_.segment<3>(static_cast<Index>(3 * i)).setZero();
   }
   for (double& waited : waited_s_) waited += dt_s;
   level_.add(dt_s, deviation_rad_, directions_, 0.5 * kMissingRad2);
@@ -366,9 +366,9 @@ void DriftFilter::measure(Index direction, double strength2, std::span<const dou
   const double innovation_rad = along_rad_[direction] - observation_.dot(changed_);
   spread_.noalias() = covariance_ * observation_;
   const double uncertain_rad2 = observation_.dot(spread_);
-  // The states' own errors are in what was learnt of the wearer, too, but for those of a lost sensor.
-  const double learnt_rad2 = uncertain_rad2 > kLostRad2 ? 0 : uncertain_rad2;
-  const double skin_rad2 = std::max(least_rad2, variance_rad2[direction] - learnt_rad2);
+  // The states' own errors are in the wearer's covariance, too, but for those of a lost sensor.
+  const double states_rad2 = uncertain_rad2 > kLostRad2 ? 0 : uncertain_rad2;
+  const double skin_rad2 = std::max(least_rad2, variance_rad2[direction] - states_rad2);
   double noise_rad2 = std::max(least_rad2, strength2 * skin_rad2);
   for (std::size_t i = 0; i < count_; ++i)
     noise_rad2 += tilt_rad2[i] * along.segment<3>(static_cast<Index>(3 * i)).squaredNorm();
@@ -385,7 +385,7 @@ void DriftFilter::measure(Index direction, double strength2, std::span<const dou
         std::min(correlation_s, std::max(kGapCorrelation_s, kGapShare * noise_rad2 / gaps_rad2_s));
   const double at_gate_rad2 = innovation_rad * innovation_rad / (settings_.gate * settings_.gate);
   if (at_gate_rad2 > uncertain_rad2 + noise_rad2) {
-    if (kGapMemory_s * gaps_rad2_s < kGapCutShare * noise_rad2) return;
+    if (kGapMemory_s * gaps_rad2_s < kSoftGateShare * noise_rad2) return;
     noise_rad2 = at_gate_rad2 - uncertain_rad2;
   }
   // States less certain than the skin, as after a gap: one look at it counts in full.

@@ -120,12 +120,13 @@ double Fusion::bias_sigma_rad_s() const {
 }
 
 void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
+  const bool gap = last_dt_s_ > 0 && dt_s > kGapSteps * last_dt_s_;
   if (!started_) {
     // The first force initialises the inclination.
     started_ = true;
     dt_s = 0;
     last_raw_ = gyro_rad_s;
-  } else if (last_dt_s_ > 0 && dt_s > kGapSteps * last_dt_s_) {
+  } else if (gap) {
     // Standard deviation of the angle between the two ends of the gap, an axis.
     const double hidden_rad_s =
         std::hypot(kHiddenOfMean * 0.5 * (gyro_rad_s + last_raw_).norm(),
@@ -147,7 +148,6 @@ void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
       at_rest_ = false;
     }
   }
-  const bool gap = last_dt_s_ > 0 && dt_s > kGapSteps * last_dt_s_;
   if (dt_s > 0 && !gap) last_dt_s_ = dt_s;
 
   if (const double range = clipped_range(gyro_rad_s); range > 0) {

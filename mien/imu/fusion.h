@@ -112,8 +112,8 @@ struct FusionSettings {
 
   /// Longest gap, s, that is bridged by the rates at its ends; after a longer one the inclination is begun
   /// anew from gravity, and from those rates as far as they are certain. (A step of more than 2.5 times the
-  /// one before is a gap.) Raising: longer gaps are
-  /// bridged, inclinations may be wrong. Lowering: inclinations are begun anew more often.
+  /// one before is a gap.) Raising: longer gaps are bridged, inclinations may be wrong. Lowering:
+  /// inclinations are begun anew more often.
   double max_gap_s = 0.25;
   /// Standard deviation of the mean rate within a gap that its two ends do not show, rad/s (17 deg/s); of
   /// gaps below a tenth of a second a part (docs/method/fusion.md).

@@ -219,19 +219,6 @@ TEST(DriftFilter, ASensorThatWasMissingComesBack) {
   }
 }
 
-/// Error of a sensor five minutes after it came back, turned on the skin, from 40 s of absence, degrees.
-double error_after_putting_on_deg(std::uint64_t seed, const DriftSettings& settings) {
-  Wearer wearer(seed);
-  DriftFilter filter = calibrated(Skin().people, settings);
-  wearer.wear(filter, 600);
-  wearer.present[2] = false;
-  wearer.wear(filter, 40);
-  wearer.creep_rad[2] = Vec3(25, 5, -5) * kRadPerDeg;
-  wearer.present[2] = true;
-  wearer.wear(filter, 300);
-  return wearer.turn_error(filter, 2).norm() / kRadPerDeg;
-}
-
 TEST(DriftFilter, GapsThatComeOftenAreFollowed) {
   // A tenth of the packets is lost in bursts of a sixth of a second: each hides a turn about the vertical, of
   // which one in ten is 2.4 times as large.
@@ -259,6 +246,19 @@ TEST(DriftFilter, GapsThatComeOftenAreFollowed) {
     });
     EXPECT_LT(std::sqrt(squares_rad2 / frames), 2.5 * kRadPerDeg) << seed;
   }
+}
+
+/// Error of a sensor five minutes after it came back, turned on the skin, from 40 s of absence, degrees.
+double error_after_putting_on_deg(std::uint64_t seed, const DriftSettings& settings) {
+  Wearer wearer(seed);
+  DriftFilter filter = calibrated(Skin().people, settings);
+  wearer.wear(filter, 600);
+  wearer.present[2] = false;
+  wearer.wear(filter, 40);
+  wearer.creep_rad[2] = Vec3(25, 5, -5) * kRadPerDeg;
+  wearer.present[2] = true;
+  wearer.wear(filter, 300);
+  return wearer.turn_error(filter, 2).norm() / kRadPerDeg;
 }
 
 TEST(DriftFilter, ASensorThatWasPutOnAgainIsFound) {
