@@ -15,10 +15,12 @@
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
+#include "mien/face/profile.h"
 #include "mien/headset/views_file.h"
 #include "mien/render/lettering.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/headset/contact_sheet.h"
+#include "mien/study/headset/headset_hours.h"
 #include "mien/study/headset/headset_study.h"
 
 namespace mien::app {
@@ -29,7 +31,8 @@ struct StudyHeadsetOptions {
   study::ContactSheetRequest sheet;
   std::string out, rig, model, motion, face;
   std::string precision{model::precision_name(headset::kHeadsetPrecision)};
-  int wearers = 0;  // 0: not told.
+  int wearers = 0;     // 0: not told.
+  double minutes = 0;  // Of hours; 0: the conditions instead.
   bool json = false;
 };
 
@@ -117,6 +120,52 @@ void print_scores(const std::vector<study::HeadsetScore>& scores) {
   fmt::print("\n");
 }
 
+void print_headset_hours(const std::vector<std::vector<study::HeadsetHoursPiece>>& wearers) {
+  for (std::size_t w = 0; w < wearers.size(); ++w) {
+    fmt::print("{}wearer {}\n{:>7} {:>8} {:>8} {:>10} {:>9} {:>6} {:>16}  {}\n", w > 0 ? "\n" : "", w + 1,
+               "minute", "MSE", "no slip", "re-centred", "mean pose", "ratio", "re-centred ratio",
+               "largest bias");
+    for (const study::HeadsetHoursPiece& piece : wearers[w])
+      fmt::print("{:7.0f} {:8.4f} {:8.4f} {:10.4f} {:9.4f} {:6.2f} {:16.2f}  {} {:+.2f}\n",
+                 piece.begin_s / 60, piece.mse, piece.still_mse, piece.recentred_mse, piece.mean_pose_mse,
+                 piece.ratio, piece.recentred_ratio, face::kShapeNames[piece.worst_shape], piece.worst_bias);
+  }
+}
+
+Json headset_hours_json(const std::vector<std::vector<study::HeadsetHoursPiece>>& wearers) {
+  Json out = Json::array();
+  for (const auto& pieces : wearers) {
+    Json& wearer = out.emplace_back(Json::array());
+    for (const study::HeadsetHoursPiece& piece : pieces)
+      wearer.push_back({{"begin_s", piece.begin_s},
+                        {"mse", piece.mse},
+                        {"no_slip_mse", piece.still_mse},
+                        {"recentred_mse", piece.recentred_mse},
+                        {"mean_pose_mse", piece.mean_pose_mse},
+                        {"ratio", piece.ratio},
+                        {"recentred_ratio", piece.recentred_ratio},
+                        {"worst_shape", face::kShapeNames[piece.worst_shape]},
+                        {"worst_bias", piece.worst_bias}});
+  }
+  return out;
+}
+
+Result<void> run_headset_hours(const StudyHeadsetOptions& options, const sensor::Rig& rig,
+                               const std::shared_ptr<const headset::HeadsetModel>& model,
+                               const std::vector<float>& mean_answer) {
+  study::HeadsetHoursRequest request{
+      .minutes = options.minutes, .seconds = options.request.seconds, .seed = options.request.seed};
+  if (options.wearers > 0) request.wearers = options.wearers;
+  MIEN_TRY_ASSIGN(const auto wearers,
+                  study::study_headset_hours(request, rig, model, mean_answer, terminal_progress("headset")));
+  clear_progress();
+  if (!options.json)
+    print_headset_hours(wearers);
+  else
+    fmt::print("{}\n", Json{{"seed", request.seed}, {"wearers", headset_hours_json(wearers)}}.dump(2));
+  return {};
+}
+
 Result<void> run_study_headset(const StudyHeadsetOptions& options) {
   MIEN_TRY_ASSIGN(const std::filesystem::path file, path_or(options.rig, "rigs/headset.toml"));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(file));
@@ -126,6 +175,7 @@ Result<void> run_study_headset(const StudyHeadsetOptions& options) {
   MIEN_TRY_ASSIGN(const headset::ViewsFile views, headset::read_views_file(model_path));
   MIEN_TRY_ASSIGN(const auto model, headset::HeadsetModel::create(
                                         views, model::precision_from_name(options.precision).value()));
+  if (options.minutes > 0) return run_headset_hours(options, rig, model, views.mean_answer);
   study::HeadsetStudyRequest request = options.request;
   if (options.wearers > 0) request.wearers = options.wearers;
   if (!options.motion.empty()) {
@@ -166,11 +216,17 @@ void add_study_headset(Commands& commands, Command study) {
       .show_default();
   command
       .add_option("--wearers", options->wearers,
-                  "Virtual wearers (default: 30); of a sheet, a row each (default: 6)")
+                  "Virtual wearers (default: 30, with --minutes 2); of a sheet, a row each (default: 6)")
       .in_range(1, 1000);
   command.add_option("--seconds", options->request.seconds, "Of motion a wearer")
       .in_range(1.0, 3600.0)
       .show_default();
+  command
+      .add_option("--minutes", options->minutes,
+                  "How accurate it stays instead, for so long after one neutral: --seconds are seen of "
+                  "each ten minutes, while the headset slips, beside one that does not and one that is "
+                  "re-centred")
+      .in_range(10.0, 180.0);
   command.add_option(
       "--motion", options->motion,
       "What all of them perform: a Live Link Face CSV, or a take whose truth; else a script each");

@@ -154,7 +154,7 @@ void HeadsetTracker::forget(std::uint16_t sensor) {
     before_.reset();
     last_eyes_rad_.reset();
     forget_moments();
-    if (hold_) maker_.begin();  // So are the frames that were gathered.
+    if (hold_ || rest_) maker_.begin();  // So are the frames that were gathered.
     gaze_learner_.restart();
   }
 }
@@ -217,6 +217,7 @@ tracker::TickResult HeadsetTracker::tick(DeviceTime frame, const sensor::TimeLin
     forget_moments();
   }
   lead(frame, answer, result);
+  follow_rest(frame, answer, result);
   const bool corrects = in_force_ && !hold_;
   if (corrects) in_force_->neutral.correct(answer);
   lead_gaze(frame, answer, result);
@@ -329,16 +330,28 @@ bool HeadsetTracker::is_complete(const Present& present) const {
   return true;
 }
 
+void HeadsetTracker::gather_neutral(const Hold& hold, DeviceTime frame, const Answer& answer) {
+  if (frame < hold.begin) return;
+  // Cameras that give nothing when it begins are not waited for.
+  if (!awaited_) awaited_ = moment_.present;
+  if (is_complete(moment_.present)) maker_.add(moment_, answer);
+}
+
+bool HeadsetTracker::take_neutral(const Hold& hold) {
+  const double wanted = kThere * kFrameRateHz * to_seconds(hold.end - hold.begin);
+  if (maker_.frames() == 0 || static_cast<double>(maker_.frames()) < wanted) return false;
+  std::optional<GazeMap> gaze;
+  if (in_force_ && in_force_->gaze) gaze = in_force_->gaze->gains();
+  in_force_ = {.neutral = make_neutral(), .gaze = gaze};
+  return true;
+}
+
 void HeadsetTracker::lead(DeviceTime frame, const Answer& answer, tracker::TickResult& result) {
   if (hold_ && frame >= hold_->end) {
     CalibrationEvent& event = result.calibration.emplace_back();
     event.modality = modality();
-    const double wanted = kThere * kFrameRateHz * to_seconds(hold_->end - hold_->begin);
-    hold_.reset();
-    if (maker_.frames() > 0 && static_cast<double>(maker_.frames()) >= wanted) {
-      std::optional<GazeMap> gaze;
-      if (in_force_ && in_force_->gaze) gaze = in_force_->gaze->gains();
-      in_force_ = {.neutral = make_neutral(), .gaze = gaze};
+    const Hold hold = *std::exchange(hold_, std::nullopt);
+    if (take_neutral(hold)) {
       event.kind = CalibrationEvent::Kind::calibrated;
     } else {
       failure_ = "a camera gave too few pictures during the hold; check the cameras and calibrate again";
@@ -347,12 +360,21 @@ void HeadsetTracker::lead(DeviceTime frame, const Answer& answer, tracker::TickR
       event.kind = CalibrationEvent::Kind::withdrawn;
     }
   }
-  if (hold_ && frame >= hold_->begin) {
-    // Cameras that give nothing when it begins are not waited for.
-    if (!awaited_) awaited_ = moment_.present;
-    if (is_complete(moment_.present)) maker_.add(moment_, answer);
-  }
+  if (hold_) gather_neutral(*hold_, frame, answer);
   if (guided_until_ && frame >= *guided_until_) guided_until_.reset();
+}
+
+void HeadsetTracker::follow_rest(DeviceTime frame, const Answer& answer, tracker::TickResult& result) {
+  if (rest_ && frame >= rest_->end) {
+    const Hold rest = *std::exchange(rest_, std::nullopt);
+    const bool taken = take_neutral(rest);
+    tracker::RestOutcome& rested = result.rested.emplace();
+    for (const Channel& channel : channels_) {
+      const bool seen = taken && in_force_->neutral.rest.present[channel.camera.place];
+      (seen ? rested.corrected : rested.absent).push_back(channel.camera.sensor);
+    }
+  }
+  if (rest_) gather_neutral(*rest_, frame, answer);
 }
 
 void HeadsetTracker::lead_gaze(DeviceTime frame, const Answer& answer, tracker::TickResult& result) {
@@ -396,6 +418,7 @@ void HeadsetTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
   if (step != Step::neutral) return;
   guide_until(end);
   hold_ = Hold{begin, end};
+  rest_.reset();
   awaited_.reset();
   maker_.begin();
   gaze_learner_.clear();
@@ -409,6 +432,18 @@ void HeadsetTracker::guide_range(DeviceTime, DeviceTime end) {
 void HeadsetTracker::guide_gaze(const face::GazeTarget& target, DeviceTime begin, DeviceTime end) {
   guide_until(end);
   gaze_learner_.ask(target, begin, end);
+}
+
+Duration HeadsetTracker::wants_rest() const {
+  return in_force_ && !guided_until_ ? kRest : Duration::zero();
+}
+
+void HeadsetTracker::rest(DeviceTime begin, DeviceTime end) {
+  rest_.reset();
+  if (end <= begin || hold_ || !in_force_) return;
+  rest_ = Hold{begin, end};
+  awaited_.reset();
+  maker_.begin();
 }
 
 void HeadsetTracker::cancel_guidance() {
@@ -450,6 +485,7 @@ Result<void> HeadsetTracker::restore(std::string_view json) {
     return fail(ErrorCode::mismatch, "the calibration was made with another model", "calibration",
                 "calibrate anew");
   cancel_guidance();
+  rest_.reset();
   in_force_ = std::move(calibration);
   failure_ = {};
   return {};

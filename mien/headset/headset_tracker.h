@@ -49,7 +49,7 @@ class HeadsetTracker final : public tracker::Tracker {
   static constexpr Duration kPresent = std::chrono::milliseconds(100);
   /// A picture so much later than a frame is taken for it: half a frame, so that the picture is the nearest.
   static constexpr Duration kAhead = std::chrono::microseconds(8333);
-  static constexpr Duration kNeutral = std::chrono::seconds(3);
+  static constexpr Duration kNeutral = std::chrono::seconds(3), kRest = std::chrono::seconds(2);
 
   /// Errors: FeatureReducer::create's.
   [[nodiscard]] static Result<std::unique_ptr<HeadsetTracker>> create(
@@ -70,6 +70,10 @@ class HeadsetTracker final : public tracker::Tracker {
   void guide_range(DeviceTime begin, DeviceTime end) override;
   void guide_gaze(const face::GazeTarget& target, DeviceTime begin, DeviceTime end) override;
   void cancel_guidance() override;
+  /// Two seconds once there is a neutral: what a headset that has slipped shows of the face at rest takes its
+  /// place, and answers are corrected by the one before meanwhile.
+  [[nodiscard]] Duration wants_rest() const override;
+  void rest(DeviceTime begin, DeviceTime end) override;
   /// Done where nothing is calibrated yet, too: nobody is asked for anything before a face is shown.
   [[nodiscard]] tracker::CalibrationState calibration_state() const override;
   [[nodiscard]] std::string calibration() const override;
@@ -109,6 +113,12 @@ class HeadsetTracker final : public tracker::Tracker {
   /// What the network makes of the moment beside `rest` into outputs_. `state`: what it remembers, unused
   /// where it has no memory.
   void ask(const MomentFeatures& moment, const RestFeatures& rest, model::CausalNetwork::State* state);
+  /// Gathers the moments of a hold for a neutral.
+  void gather_neutral(const Hold& hold, DeviceTime frame, const Answer& answer);
+  /// A new neutral comes into force where the hold that has just ended had enough moments.
+  [[nodiscard]] bool take_neutral(const Hold& hold);
+  /// A step of a rest; what it came to.
+  void follow_rest(DeviceTime frame, const Answer& answer, tracker::TickResult& result);
   /// A step of the guided hold; the event that it ends with.
   void lead(DeviceTime frame, const Answer& answer, tracker::TickResult& result);
   /// A step of what targets teach, with the answer that the neutral corrected; the event that it ends with.
@@ -147,8 +157,8 @@ class HeadsetTracker final : public tracker::Tracker {
   std::optional<WearerCalibration> in_force_, before_;
   NeutralMaker maker_;
   GazeLearner gaze_learner_;
-  std::optional<Hold> hold_;
-  std::optional<Present> awaited_;  // What was there when the hold began.
+  std::optional<Hold> hold_, rest_;  // Guided, and asked for by rest(); never both.
+  std::optional<Present> awaited_;   // What was there when the hold began.
   std::optional<DeviceTime> guided_until_;
   std::string_view failure_;
   std::optional<std::array<Eigen::Vector2f, 2>> last_eyes_rad_;

@@ -42,6 +42,8 @@ constexpr double kLostRad2 = 0.011;
 constexpr double kAnywhereRad2 = 0.5;
 /// Directions that are measured a frame while a sensor is lost.
 constexpr std::size_t kLooksAtLost = 4;
+/// Corrections of rates and of creep are compared with their expectation within these, s.
+constexpr double kRateWindow_s = 15, kCreepWindow_s = 60;
 /// Variance that marks a missing sensor's axes among the directions, rad^2: above any face's.
 constexpr double kMissingRad2 = 100;
 /// A rest beyond this is what the states do not allow: normalised innovation squared of three axes (a chance
@@ -75,6 +77,8 @@ DriftFilter::DriftFilter(const DriftSettings& settings, const std::optional<sens
       heading_rad_(count_),
       rate_rad_s_(count_),
       creep_rad_(count_, Vec3::Zero()),
+      rate_scale_(count_, kRateWindow_s),
+      creep_scale_(count_, kCreepWindow_s),
       observed_s_(count_),
       absent_s_(count_),
       gaps_rad2_s_(count_),
@@ -117,6 +121,8 @@ void DriftFilter::start() {
   since_start_s_ = 0;
   next_ = 0;
   level_.start(people_rad2_);
+  rate_scale_.start();
+  creep_scale_.start();
   ear_creep_rad_.setZero();
   std::ranges::fill(creep_rad_, Vec3(Vec3::Zero()));
   directed_.assign(count_, false);
@@ -198,20 +204,28 @@ void DriftFilter::predict(double dt_s) {
   covariance_.topRows(n) += dt_s * covariance_.middleRows(n, n);
   covariance_.leftCols(n) += dt_s * covariance_.middleCols(n, n);
   mirror_lower(covariance_);
-  const double rate_rad2 = settings_.rate_walk * settings_.rate_walk * dt_s;
+  const double rate_rad2 = rate_scale_.variance_factor() * settings_.rate_walk * settings_.rate_walk * dt_s;
   covariance_.diagonal().head(n).array() += settings_.heading_walk * settings_.heading_walk * dt_s;
   covariance_.topLeftCorner(n, n).array() += settings_.common_walk * settings_.common_walk * dt_s;
   // Half of a rate's walk is the ear sensor's bias, the same for all.
   covariance_.diagonal().segment(n, n).array() += 0.5 * rate_rad2;
   covariance_.block(n, n, n, n).array() += 0.5 * rate_rad2;
-  covariance_.diagonal().tail(3 * n + 3).array() += settings_.creep_walk * settings_.creep_walk * dt_s;
+  covariance_.diagonal().tail(3 * n + 3).array() +=
+      creep_scale_.variance_factor() * settings_.creep_walk * settings_.creep_walk * dt_s;
 }
 
 void DriftFilter::correct(double innovation_rad, double noise_rad2) {
   spread_.noalias() = covariance_ * observation_;
   const double expected_rad2 = observation_.dot(spread_) + noise_rad2;
   update_covariance(covariance_, spread_, expected_rad2);
-  spread_ *= innovation_rad / expected_rad2;  // The states' change.
+  const double correction = innovation_rad / expected_rad2;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const auto of_creep = spread_.segment<3>(creep(i));
+    creep_scale_.add(i, correction * of_creep, of_creep.squaredNorm() / expected_rad2);
+    const double of_rate = spread_[rate(i)];
+    rate_scale_.add(i, Vec3(correction * of_rate, 0, 0), of_rate * of_rate / expected_rad2);
+  }
+  spread_ *= correction;  // The states' change.
   for (std::size_t i = 0; i < count_; ++i) {
     // Heading errors are estimate less truth, so they are subtracted.
     heading_rad_[i] = wrap_heading(heading_rad_[i] - spread_[static_cast<Index>(i)]);
@@ -238,6 +252,15 @@ void DriftFilter::follow_presence(double dt_s) {
     if (std::exchange(absent_s_[i], 0.0) > settings_.taken_off_s)
       covariance_.diagonal().segment<3>(creep(i)).array() += settings_.put_on_rad * settings_.put_on_rad;
   }
+}
+
+void DriftFilter::follow_walks(double dt_s) {
+  // Where a walk is faster it has been so before, too.
+  const auto n = static_cast<Index>(count_);
+  if (const double grown = rate_scale_.advance(dt_s); grown > 1)
+    covariance_.diagonal().segment(n, n) *= grown;
+  if (const double grown = creep_scale_.advance(dt_s); grown > 1)
+    covariance_.diagonal().tail(3 * n + 3) *= grown;
 }
 
 void DriftFilter::learn(double dt_s) {
@@ -306,6 +329,7 @@ void DriftFilter::add_skin(double dt_s, std::span<const std::optional<Vec3>> tur
     present_[i] = turn_rad[i].has_value();
     turn_rad_[i] = turn_rad[i].value_or(Vec3::Zero());
   }
+  follow_walks(dt_s);
   follow_presence(dt_s);
   learn(dt_s);
   since_start_s_ += dt_s;

@@ -12,6 +12,7 @@
 #include "mien/core/rotation.h"
 #include "mien/imu/level_shift.h"
 #include "mien/imu/nod_watch.h"
+#include "mien/imu/walk_scale.h"
 #include "mien/sensor/rig.h"
 
 namespace mien::imu {
@@ -27,14 +28,16 @@ struct DriftSettings {
   double heading_walk = 2e-3;
   double common_walk = 1e-3;
   /// Random walk of a heading's rate, rad/s a root s: two gyroscopes' biases, each 0.05 deg/s a root minute.
-  /// Raising: changes of the rate are followed sooner. Lowering: a steadier rate.
+  /// Where gyroscopes drift faster the filter finds it (WalkScale). Raising: changes of the rate are followed
+  /// sooner. Lowering: a steadier rate.
   double rate_walk = 1.6e-4;
   /// Standard deviation of that rate after a calibration, rad/s (0.09 deg/s). Raising: the rate is found
   /// sooner, the heading is less certain meanwhile. Lowering: it is found later.
   double rate_sigma_rad_s = 1.5e-3;
   /// Random walk of an adhesive's creep, rad a root s and axis (0.5 deg a root minute, as of the rig's
-  /// faults); the ear sensor's too. Raising: creep is followed sooner, held expressions fade into neutral.
-  /// Lowering: creep remains; 0: none is tracked.
+  /// faults); the ear sensor's too. Where the adhesives creep faster the filter finds it (WalkScale).
+  /// Raising: creep is followed sooner, held expressions fade into neutral. Lowering: creep remains; 0: none
+  /// is tracked.
   double creep_walk = 1.13e-3;
 
   // Measurement by the wearer's distribution.
@@ -165,6 +168,8 @@ class DriftFilter {
   void expect_moved(std::size_t sensor, const Vec3& turn_rad, const Vec3& up);
   /// What headings and creep leave of E_i, as rotation_covariance() has it.
   [[nodiscard]] Mat3 states_covariance(std::size_t sensor, const Vec3& up) const;
+  /// Rates and creep walk as fast as their corrections tell.
+  void follow_walks(double dt_s);
   void check();
 
   DriftSettings settings_;
@@ -174,6 +179,7 @@ class DriftFilter {
   Vec3 ear_creep_rad_ = Vec3::Zero();
   Eigen::MatrixXd covariance_;
   std::uint64_t faults_ = 0;
+  WalkScale rate_scale_, creep_scale_;
 
   Eigen::MatrixXd people_rad2_;  // Second moment of people's rotation vectors about neutral.
   Eigen::MatrixXd wearer_rad2_;  // The wearer's about their mean.

@@ -363,6 +363,50 @@ TEST(HeadsetTracker, AHoldWithoutPicturesLeavesWhatWasInForce) {
   EXPECT_FALSE(worn.tracker->calibration().empty()) << "it was over";
 }
 
+TEST(HeadsetTracker, ARestTakesAnotherNeutral) {
+  Worn worn(HeadsetModel::create(constant_file(telling_answer())).value());
+  worn.run(0.5);
+  EXPECT_EQ(worn.tracker->wants_rest(), Duration::zero()) << "no neutral to take another for";
+  worn.tracker->guide(Step::neutral, worn.now(), worn.now() + HeadsetTracker::kNeutral);
+  worn.run(3.1);
+  ASSERT_EQ(worn.tracker->wants_rest(), HeadsetTracker::kRest);
+  const std::string before = worn.tracker->calibration();
+
+  // One that gives too little leaves the neutral as it was.
+  worn.tracker->rest(worn.now(), worn.now() + HeadsetTracker::kRest);
+  worn.sends = {false, false, false, false};
+  worn.run(2.1);
+  ASSERT_EQ(worn.rests.size(), 1U);
+  EXPECT_TRUE(worn.rests[0].corrected.empty());
+  EXPECT_EQ(worn.rests[0].absent.size(), 4U);
+  EXPECT_EQ(worn.tracker->calibration(), before);
+
+  // A camera that is missing is told of; what is shown meanwhile is corrected as before.
+  worn.sends = {true, true, true, false};
+  worn.run(0.2);
+  worn.tracker->rest(worn.now(), worn.now() + HeadsetTracker::kRest);
+  worn.run(1);
+  EXPECT_NEAR(worn.frame.weights[kJaw], 0, 1e-5);
+  EXPECT_EQ(worn.tracker->calibration_state().phase, Phase::done);
+  worn.run(1.1);
+  ASSERT_EQ(worn.rests.size(), 2U);
+  EXPECT_EQ(worn.rests[1].corrected, (std::vector<std::uint16_t>{0, 1, 2}));
+  EXPECT_EQ(worn.rests[1].absent, std::vector<std::uint16_t>{3});
+  EXPECT_NE(worn.tracker->calibration(), before);
+  EXPECT_NEAR(worn.frame.weights[kJaw], 0, 1e-5);
+  EXPECT_EQ(worn.events.size(), 1U) << "no calibration event";
+
+  // An empty rest ends one.
+  const std::string after = worn.tracker->calibration();
+  worn.sends[3] = true;
+  worn.tracker->rest(worn.now(), worn.now() + HeadsetTracker::kRest);
+  worn.run(1);
+  worn.tracker->rest(worn.now(), worn.now());
+  worn.run(2);
+  EXPECT_EQ(worn.rests.size(), 2U);
+  EXPECT_EQ(worn.tracker->calibration(), after);
+}
+
 TEST(HeadsetTracker, AllocatesNothingOnceItRuns) {
   for (const bool raw : {false, true}) {
     Worn worn;

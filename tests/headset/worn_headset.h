@@ -47,6 +47,7 @@ class Worn {
   face::OutputFrame frame;
   tracker::TickResult result;
   std::vector<tracker::CalibrationEvent> events;
+  std::vector<tracker::RestOutcome> rests;
 
   DeviceTime now() const { return DeviceTime(frame_offset(index)); }
   void step() {
@@ -55,6 +56,7 @@ class Worn {
         send(c, stands_still[c] ? 0 : first_picture + static_cast<int>((index + 7 * c) % pictures));
     result = tracker->tick(now(), lines, frame);
     std::ranges::copy(result.calibration, std::back_inserter(events));
+    if (result.rested) rests.push_back(*result.rested);
     ++index;
   }
   void run(double seconds) {

@@ -201,8 +201,10 @@ std::vector<FilmFrame> film_wearer(const virt::HeadsetWearer& wearer, const virt
   const double rolling_s = 1e-3 * faults.rolling_ms;
   std::vector<FilmFrame> frames;
   for (int n = 0; n < request.neutral_frames + request.frames; ++n) {
-    const double t = n / request.rate_hz, moved_s = (n - request.neutral_frames) / request.rate_hz;
     const bool neutral = n < request.neutral_frames;
+    const int moved = std::max(0, n - request.neutral_frames);
+    const double t = n / request.rate_hz + moved / request.filmed_at_once * request.unfilmed_s,
+                 moved_s = moved / request.rate_hz;
     if (request.failure != HeadsetFailure::none)
       simulator.fail(n >= request.fails_from && n < request.fails_to);
     virt::HeadsetPose first, last;

@@ -64,6 +64,9 @@ struct HeadsetTakeRequest {
   int fails_from = 0, fails_to = std::numeric_limits<int>::max();
   std::optional<virt::HeadsetSeat> seat;  ///< None: drawn.
   int side = 96;
+  /// After each so many frames of motion the headset is worn on for so long before the next is filmed, s.
+  int filmed_at_once = std::numeric_limits<int>::max();
+  double unfilmed_s = 0;
 };
 /// The frames of `motion` as these cameras see it, the neutral before.
 [[nodiscard]] std::vector<FilmFrame> film_wearer(const virt::HeadsetWearer& wearer,
