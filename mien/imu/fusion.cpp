@@ -17,6 +17,10 @@ constexpr double kExpectedRestTime = 1.0 / 3;
 constexpr double kExpectedRestTolerance = 2.0;
 /// A step longer than this many times the one before is a gap.
 constexpr double kGapSteps = 2.5;
+/// So many gaps one after the other, whose lengths differ by less than this share, are a board that samples
+/// more slowly than before.
+constexpr int kGapsOfARate = 8;
+constexpr double kAlike = 0.25;
 /// Rates last for so long, s; after that they are taken as a process of this correlation time, s.
 constexpr double kRateLasts_s = 0.04, kRateCorrelation_s = 0.08;
 /// A gap hides this share of the mean of its end rates, and of their difference.
@@ -148,7 +152,9 @@ void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
       at_rest_ = false;
     }
   }
-  if (dt_s > 0 && !gap) last_dt_s_ = dt_s;
+  alike_gaps_ = gap && std::abs(dt_s - last_gap_s_) < kAlike * dt_s ? alike_gaps_ + 1 : 0;
+  if (gap) last_gap_s_ = dt_s;
+  if (dt_s > 0 && (!gap || alike_gaps_ >= kGapsOfARate)) last_dt_s_ = dt_s;
 
   if (const double range = clipped_range(gyro_rad_s); range > 0) {
     // Consecutive clipped samples err in the same direction: their errors add linearly, not in squares.

@@ -228,7 +228,9 @@ class Fusion {
   bool started_ = false;
   bool rest_expected_ = false;
   bool on_skin_ = false;
-  double last_dt_s_ = 0;
+  double last_dt_s_ = 0;  // The last step that was no gap.
+  double last_gap_s_ = 0;
+  int alike_gaps_ = 0;  // In a row.
   Quat q_gyro_ = Quat::Identity();
   Quat q_accel_ = Quat::Identity();
   double heading_ = 0;  // Delta, about the vertical.

@@ -210,6 +210,23 @@ TEST(Fusion, AGapHidesWhatItsEndsLetIt) {
   EXPECT_GT(hidden_deg(41 / 240.0, 500), 15) << "nobody knows when so quick a turn ended";
 }
 
+TEST(Fusion, ABoardThatSamplesMoreSlowlyHasNoGapsAfterAMoment) {
+  const Motion motion;
+  Random random(8);
+  Fusion fusion;
+  double t = 0;
+  const auto play = [&](double seconds, double step_s) {
+    for (const double end = t + seconds; t < end; t += step_s)
+      fusion.add(step_s, motion.gyro(t, random), motion.accel(t, random));
+    return fusion.gap_sigma_rad();
+  };
+  EXPECT_EQ(play(5, 1 / 240.0), 0);
+  const double after_a_moment = play(0.5, 1 / 60.0);
+  EXPECT_GT(after_a_moment, 0);
+  EXPECT_EQ(play(20, 1 / 60.0), after_a_moment);
+  EXPECT_GT(play(0.1, 1 / 15.0), after_a_moment) << "a packet that is lost is a gap again";
+}
+
 TEST(Fusion, AForceAfterALongGapIsNoVertical) {
   Fusion fusion;
   for (int i = 0; i < 240 * 5; ++i) fusion.add(1 / 240.0, Vec3::Zero(), Vec3(0, kStandardGravity_m_s2, 0));
