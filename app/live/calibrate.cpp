@@ -40,7 +40,7 @@ struct CalibrateOptions {
 
 /// A status may be older than the reply before it, by two of them at most; this many are five seconds.
 constexpr int kStatusesToBelieve = 25;
-/// A re-centring takes 3.5 s with sensors on the skin, else 1.5 s; this many are eight seconds.
+/// A re-centring takes 3.5 s with sensors on the skin or cameras, else 1.5 s; this many are eight seconds.
 constexpr int kStatusesToRecentre = 40;
 
 Result<std::unique_ptr<SessionClient>> open_session(const CalibrateOptions& options) {
@@ -293,7 +293,7 @@ Result<void> run_recentre(const CalibrateOptions& options) {
     }
     for (const SessionEvent& event : events)
       if (event.kind == "recentre_failed")
-        return fail(ErrorCode::io, why_of(event) + "; nothing was changed", "re-centring",
+        return fail(ErrorCode::io, why_of(event) + "; the neutral face stays as it was", "re-centring",
                     "see on the page which sensors are there");
     if (stop_asked())
       return fail(ErrorCode::cancelled, "not waited for: it may still come into force", "re-centring");

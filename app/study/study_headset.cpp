@@ -31,8 +31,8 @@ struct StudyHeadsetOptions {
   study::ContactSheetRequest sheet;
   std::string out, rig, model, motion, face;
   std::string precision{model::precision_name(headset::kHeadsetPrecision)};
-  int wearers = 0;     // 0: not told.
-  double minutes = 0;  // Of hours; 0: the conditions instead.
+  int wearers = 0;     // 0: the default.
+  double minutes = 0;  // Of a session of hours; 0: the conditions instead.
   bool json = false;
 };
 
@@ -221,12 +221,6 @@ void add_study_headset(Commands& commands, Command study) {
   command.add_option("--seconds", options->request.seconds, "Of motion a wearer")
       .in_range(1.0, 3600.0)
       .show_default();
-  command
-      .add_option("--minutes", options->minutes,
-                  "How accurate it stays instead, for so long after one neutral: --seconds are seen of "
-                  "each ten minutes, while the headset slips, beside one that does not and one that is "
-                  "re-centred")
-      .in_range(10.0, 180.0);
   command.add_option(
       "--motion", options->motion,
       "What all of them perform: a Live Link Face CSV, or a take whose truth; else a script each");
@@ -236,6 +230,14 @@ void add_study_headset(Commands& commands, Command study) {
   command.add_option("--side", options->sheet.side, "Of a sheet: pixels of a view either way")
       .in_range(16, 480)
       .show_default();
+  const Option minutes =
+      command
+          .add_option("--minutes", options->minutes,
+                      "How accurate it stays instead, for so long after one neutral: --seconds are seen of "
+                      "each ten minutes, while the headset slips, beside one that does not and one that is "
+                      "re-centred")
+          .in_range(10.0, 180.0);
+  for (const char* name : {"--sheet", "--motion", "--face"}) minutes.excludes(command.option(name));
   command.add_flag("--json", options->json, "Print the scores as JSON");
   add_seed_option(command, options->request.seed, "Of the wearers and their headsets");
 }

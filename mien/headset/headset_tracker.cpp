@@ -154,7 +154,8 @@ void HeadsetTracker::forget(std::uint16_t sensor) {
     before_.reset();
     last_eyes_rad_.reset();
     forget_moments();
-    if (hold_ || rest_) maker_.begin();  // So are the frames that were gathered.
+    if (hold_) maker_.begin();  // So are the frames that were gathered.
+    rest_.reset();
     gaze_learner_.restart();
   }
 }
@@ -193,6 +194,10 @@ void HeadsetTracker::gather(DeviceTime frame, const sensor::TimeLines& lines) {
 void HeadsetTracker::ask(const MomentFeatures& moment, const RestFeatures& rest,
                          model::CausalNetwork::State* state) {
   read_moment(model_->network(), moment, rest, workspace_, condition_);
+  ask_again(state);
+}
+
+void HeadsetTracker::ask_again(model::CausalNetwork::State* state) {
   outputs_.fill(0);
   if (state != nullptr) model_->memory()->step(condition_, *state, outputs_);
   add_moment_answer(condition_, outputs_);
@@ -207,6 +212,7 @@ tracker::TickResult HeadsetTracker::tick(DeviceTime frame, const sensor::TimeLin
   out.provenance.fill(Provenance::neutral);
   gather(frame, lines);
   result.sensors_present = static_cast<std::size_t>(std::ranges::count(moment_.present, true));
+  end_rest(frame, result);
   Answer answer;
   if (result.sensors_present > 0) {
     // A hold is judged by what is seen without the neutral before it.
@@ -217,7 +223,7 @@ tracker::TickResult HeadsetTracker::tick(DeviceTime frame, const sensor::TimeLin
     forget_moments();
   }
   lead(frame, answer, result);
-  follow_rest(frame, answer, result);
+  if (rest_ && frame >= rest_->begin && result.sensors_present > 0) maker_.add(moment_, answer);
   const bool corrects = in_force_ && !hold_;
   if (corrects) in_force_->neutral.correct(answer);
   lead_gaze(frame, answer, result);
@@ -274,23 +280,36 @@ void HeadsetTracker::judge() {
   judged_.gaze = model_->probability(kGazeJudgement, logits[kGazeJudgement]);
 }
 
-NeutralFace HeadsetTracker::make_neutral() {
+std::size_t HeadsetTracker::least_frames(const Hold& hold) {
+  const double frames = kThere * kFrameRateHz * to_seconds(hold.end - hold.begin);
+  return std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(frames)));
+}
+
+NeutralFace HeadsetTracker::make_neutral(const NeutralFace* before, std::size_t least,
+                                         std::optional<model::CausalNetwork::State>& state) {
   std::vector<std::string> names;
   for (const Channel& channel : channels_) names.push_back(channel.camera.name);
   NeutralFace made = maker_.make(std::move(names));
   made.network = model_->hash();
+  const std::size_t count = model_->network().architecture().features;
+  const auto view = [count](std::vector<float>& features, std::size_t place) {
+    return std::span(features).subspan(place * count, count);
+  };
+  for (std::size_t place = 0; before != nullptr && place < model::kViews; ++place) {
+    if (maker_.frames_with(place) >= least) continue;
+    made.rest.present[place] = before->rest.present[place];
+    std::ranges::copy(std::span(before->rest.features).subspan(place * count, count),
+                      view(made.rest.features, place).begin());
+  }
   // What it still answers of the face at rest itself, told that it is at rest.
   MomentFeatures at_rest{
       .features = made.rest.features, .present = made.rest.present, .age_s = maker_.mean_age_s()};
-  const std::size_t count = model_->network().architecture().features;
   for (std::size_t place = 0; place < model::kViews; ++place)
     if (!at_rest.present[place])
-      std::ranges::copy(model_->network().missing(place),
-                        std::span(at_rest.features).subspan(place * count, count).begin());
-  std::optional<model::CausalNetwork::State> state;
+      std::ranges::copy(model_->network().missing(place), view(at_rest.features, place).begin());
   if (model_->memory() != nullptr) state.emplace(*model_->memory());
-  for (int frame = 0; frame < (state ? kSettles : 1); ++frame)
-    ask(at_rest, made.rest, state ? &*state : nullptr);
+  ask(at_rest, made.rest, state ? &*state : nullptr);
+  for (int frame = 1; state && frame < kSettles; ++frame) ask_again(&*state);
   made.correct_by(decode_answer(std::span(outputs_).first<kAnswerOutputs>()));
   judge_mirrored(made);
   return made;
@@ -330,20 +349,10 @@ bool HeadsetTracker::is_complete(const Present& present) const {
   return true;
 }
 
-void HeadsetTracker::gather_neutral(const Hold& hold, DeviceTime frame, const Answer& answer) {
-  if (frame < hold.begin) return;
-  // Cameras that give nothing when it begins are not waited for.
-  if (!awaited_) awaited_ = moment_.present;
-  if (is_complete(moment_.present)) maker_.add(moment_, answer);
-}
-
-bool HeadsetTracker::take_neutral(const Hold& hold) {
-  const double wanted = kThere * kFrameRateHz * to_seconds(hold.end - hold.begin);
-  if (maker_.frames() == 0 || static_cast<double>(maker_.frames()) < wanted) return false;
+void HeadsetTracker::use_neutral(NeutralFace neutral) {
   std::optional<GazeMap> gaze;
   if (in_force_ && in_force_->gaze) gaze = in_force_->gaze->gains();
-  in_force_ = {.neutral = make_neutral(), .gaze = gaze};
-  return true;
+  in_force_ = {.neutral = std::move(neutral), .gaze = gaze};
 }
 
 void HeadsetTracker::lead(DeviceTime frame, const Answer& answer, tracker::TickResult& result) {
@@ -351,7 +360,9 @@ void HeadsetTracker::lead(DeviceTime frame, const Answer& answer, tracker::TickR
     CalibrationEvent& event = result.calibration.emplace_back();
     event.modality = modality();
     const Hold hold = *std::exchange(hold_, std::nullopt);
-    if (take_neutral(hold)) {
+    if (maker_.frames() >= least_frames(hold)) {
+      std::optional<model::CausalNetwork::State> settled;
+      use_neutral(make_neutral(nullptr, 0, settled));
       event.kind = CalibrationEvent::Kind::calibrated;
     } else {
       failure_ = "a camera gave too few pictures during the hold; check the cameras and calibrate again";
@@ -360,21 +371,30 @@ void HeadsetTracker::lead(DeviceTime frame, const Answer& answer, tracker::TickR
       event.kind = CalibrationEvent::Kind::withdrawn;
     }
   }
-  if (hold_) gather_neutral(*hold_, frame, answer);
+  if (hold_ && frame >= hold_->begin) {
+    // Cameras that give nothing when it begins are not waited for.
+    if (!awaited_) awaited_ = moment_.present;
+    if (is_complete(moment_.present)) maker_.add(moment_, answer);
+  }
   if (guided_until_ && frame >= *guided_until_) guided_until_.reset();
 }
 
-void HeadsetTracker::follow_rest(DeviceTime frame, const Answer& answer, tracker::TickResult& result) {
-  if (rest_ && frame >= rest_->end) {
-    const Hold rest = *std::exchange(rest_, std::nullopt);
-    const bool taken = take_neutral(rest);
-    tracker::RestOutcome& rested = result.rested.emplace();
-    for (const Channel& channel : channels_) {
-      const bool seen = taken && in_force_->neutral.rest.present[channel.camera.place];
-      (seen ? rested.corrected : rested.absent).push_back(channel.camera.sensor);
-    }
+void HeadsetTracker::end_rest(DeviceTime frame, tracker::TickResult& result) {
+  if (!rest_ || frame < rest_->end) return;
+  const std::size_t least = least_frames(*std::exchange(rest_, std::nullopt));
+  tracker::RestOutcome& rested = result.rested.emplace();
+  for (const Channel& channel : channels_)
+    (maker_.frames_with(channel.camera.place) >= least ? rested.corrected : rested.absent)
+        .push_back(channel.camera.sensor);
+  if (rested.corrected.empty()) return;
+  std::optional<model::CausalNetwork::State> settled;
+  NeutralFace made = make_neutral(&in_force_->neutral, least, settled);
+  if (!made.scores.front().pass) {
+    rested.moved = std::exchange(rested.corrected, {});
+    return;
   }
-  if (rest_) gather_neutral(*rest_, frame, answer);
+  use_neutral(std::move(made));
+  state_ = std::move(settled);
 }
 
 void HeadsetTracker::lead_gaze(DeviceTime frame, const Answer& answer, tracker::TickResult& result) {
@@ -440,9 +460,8 @@ Duration HeadsetTracker::wants_rest() const {
 
 void HeadsetTracker::rest(DeviceTime begin, DeviceTime end) {
   rest_.reset();
-  if (end <= begin || hold_ || !in_force_) return;
+  if (end <= begin || wants_rest() == Duration::zero()) return;
   rest_ = Hold{begin, end};
-  awaited_.reset();
   maker_.begin();
 }
 

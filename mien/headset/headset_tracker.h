@@ -70,8 +70,9 @@ class HeadsetTracker final : public tracker::Tracker {
   void guide_range(DeviceTime begin, DeviceTime end) override;
   void guide_gaze(const face::GazeTarget& target, DeviceTime begin, DeviceTime end) override;
   void cancel_guidance() override;
-  /// Two seconds once there is a neutral: what a headset that has slipped shows of the face at rest takes its
-  /// place, and answers are corrected by the one before meanwhile.
+  /// Two seconds once there is a neutral. A rest replaces it, of the cameras that gave pictures in half of
+  /// it: a headset that has slipped shows the face at rest otherwise. Nothing is replaced where the face
+  /// moved.
   [[nodiscard]] Duration wants_rest() const override;
   void rest(DeviceTime begin, DeviceTime end) override;
   /// Done where nothing is calibrated yet, too: nobody is asked for anything before a face is shown.
@@ -113,20 +114,24 @@ class HeadsetTracker final : public tracker::Tracker {
   /// What the network makes of the moment beside `rest` into outputs_. `state`: what it remembers, unused
   /// where it has no memory.
   void ask(const MomentFeatures& moment, const RestFeatures& rest, model::CausalNetwork::State* state);
-  /// Gathers the moments of a hold for a neutral.
-  void gather_neutral(const Hold& hold, DeviceTime frame, const Answer& answer);
-  /// A new neutral comes into force where the hold that has just ended had enough moments.
-  [[nodiscard]] bool take_neutral(const Hold& hold);
-  /// A step of a rest; what it came to.
-  void follow_rest(DeviceTime frame, const Answer& answer, tracker::TickResult& result);
+  /// The same of the moment that was read last.
+  void ask_again(model::CausalNetwork::State* state);
+  /// Puts a neutral in force; the gains of what targets taught stay.
+  void use_neutral(NeutralFace neutral);
+  /// Ends a rest before the frame at its end is answered; what it came to.
+  void end_rest(DeviceTime frame, tracker::TickResult& result);
   /// A step of the guided hold; the event that it ends with.
   void lead(DeviceTime frame, const Answer& answer, tracker::TickResult& result);
   /// A step of what targets teach, with the answer that the neutral corrected; the event that it ends with.
   void lead_gaze(DeviceTime frame, const Answer& answer, tracker::TickResult& result);
   /// Guidance goes on until then at least; what was in force before it is kept.
   void guide_until(DeviceTime end);
-  /// Of what was gathered in a hold.
-  [[nodiscard]] NeutralFace make_neutral();
+  /// Of what was gathered in a hold. `before`: of the cameras that gave pictures in fewer than `least` of its
+  /// frames; null: they are unknown. Leaves what the memory remembers of the face at rest in `state`.
+  [[nodiscard]] NeutralFace make_neutral(const NeutralFace* before, std::size_t least,
+                                         std::optional<model::CausalNetwork::State>& state);
+  /// How many frames of a hold must be good for a neutral.
+  [[nodiscard]] static std::size_t least_frames(const Hold& hold);
   /// All cameras that ever gave a picture do so now, and there is one.
   [[nodiscard]] bool is_complete(const Present& present) const;
   /// Adds a score for each eye camera: whether it shows an eye as it should, or mirrored.

@@ -54,8 +54,9 @@ struct NeutralFace {
 [[nodiscard]] std::string write_neutral_face(const NeutralFace& neutral);
 [[nodiscard]] Result<NeutralFace> parse_neutral_face(std::string_view json, const std::string& where);
 
-/// Gathers what is found, and answered of it without a face at rest, while a wearer holds still. No
-/// allocation in add(). A pure function of the calls.
+/// Gathers what is found, and what is answered of it, while a wearer holds still: in a calibration without a
+/// face at rest, in a later rest against the one before. No allocation in add(). A pure function of the
+/// calls.
 class NeutralMaker {
  public:
   /// `features`: of each view.
@@ -64,9 +65,12 @@ class NeutralMaker {
   void add(const MomentFeatures& moment, const Answer& answer);
   /// How many were added.
   [[nodiscard]] std::size_t frames() const { return frames_; }
+  /// How many of them had a view.
+  [[nodiscard]] std::size_t frames_with(std::size_t view) const { return seen_[view]; }
   /// Of each view how old it was in the mean; 0 of one that was never there.
   [[nodiscard]] std::array<float, model::kViews> mean_age_s() const;
-  /// Their mean, judged. There are some. Corrects by the mean answer.
+  /// Their mean, judged. There are some. Corrects by the mean answer. The first score is of how still the
+  /// face was.
   [[nodiscard]] NeutralFace make(std::vector<std::string> cameras) const;
 
  private:

@@ -168,7 +168,7 @@ class DriftFilter {
   void expect_moved(std::size_t sensor, const Vec3& turn_rad, const Vec3& up);
   /// What headings and creep leave of E_i, as rotation_covariance() has it.
   [[nodiscard]] Mat3 states_covariance(std::size_t sensor, const Vec3& up) const;
-  /// Rates and creep walk as fast as their corrections tell.
+  /// Scales the process noise of rates and creep (WalkScale).
   void follow_walks(double dt_s);
   void check();
 

@@ -399,14 +399,17 @@ std::string event_text(const take::Event& event) {
   if (event.kind == "calibration_failed") return "not calibrated: " + text("why");
   if (event.kind == "recentre_failed") return "not re-centred: " + text("why");
   if (event.kind == "recentre")
-    return text("source").empty() ? std::string()
-                                  : "re-centring, as " + text("source") + " asks by OSC: relax your face";
-  if (event.kind == "rested") {
-    const std::string moved = names_text(details, "moved");
-    return moved.empty()
+    return text("source").empty()
                ? std::string()
-               : "the face moved at " + moved +
-                     " while it should rest, so drift was not corrected there; relax it and re-centre again";
+               : "re-centring, as " + text("source") + " asks by OSC: relax your face and look ahead";
+  if (event.kind == "rested") {
+    const std::string moved = names_text(details, "moved"), absent = names_text(details, "absent");
+    if (!moved.empty())
+      return "the face moved at " + moved +
+             " while it should rest, so drift was not corrected there; relax it and re-centre again";
+    return absent.empty() ? std::string()
+                          : "not corrected for lack of data: " + absent +
+                                "; see to it on the page's sensors, then re-centre again";
   }
   if (event.kind == "recentre_advised") {
     const std::string left_out = names_text(details, "left_out");

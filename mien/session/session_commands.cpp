@@ -93,6 +93,7 @@ Result<void> Session::execute(const Recentre&) {
 }
 
 void Session::recentre() {
+  if (rest_end_) tracker_->rest(*rest_end_, *rest_end_);
   recentring_ = true;
   rest_ = tracker_->wants_rest();
   rest_end_.reset();

@@ -178,7 +178,8 @@ Duration CombinedTracker::wants_rest() const {
 }
 
 void CombinedTracker::rest(DeviceTime begin, DeviceTime end) {
-  for (Member& member : members_) member.tracker->rest(begin, end);
+  for (Member& member : members_)
+    if (counts(member) || end <= begin) member.tracker->rest(begin, end);
 }
 
 CalibrationState CombinedTracker::calibration_state() const {

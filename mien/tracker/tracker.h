@@ -90,7 +90,7 @@ struct SensorCertainty {
 /// What a rest came to (Tracker::rest()): sensors by their numbers in the rig.
 struct RestOutcome {
   std::vector<std::uint16_t> corrected;
-  std::vector<std::uint16_t> moved;   ///< Moved meanwhile, and were not corrected.
+  std::vector<std::uint16_t> moved;   ///< Moved, or the face did, and were not corrected.
   std::vector<std::uint16_t> absent;  ///< Were missing for more than half of it.
 };
 

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <functional>
+#include <vector>
 
+#include "mien/headset/wearer_calibration.h"
 #include "tests/allocation_count.h"
 #include "tests/headset/worn_headset.h"
 
@@ -363,48 +365,79 @@ TEST(HeadsetTracker, AHoldWithoutPicturesLeavesWhatWasInForce) {
   EXPECT_FALSE(worn.tracker->calibration().empty()) << "it was over";
 }
 
-TEST(HeadsetTracker, ARestTakesAnotherNeutral) {
+/// What a tracker knows of the face at rest.
+RestFeatures rest_of(const HeadsetTracker& tracker) {
+  return parse_wearer_calibration(tracker.calibration(), "test").value().neutral.rest;
+}
+/// A view's part of it.
+std::vector<float> view_of(const RestFeatures& rest, std::size_t place) {
+  const auto count = static_cast<std::ptrdiff_t>(rest.features.size() / model::kViews);
+  const auto begin = rest.features.begin() + static_cast<std::ptrdiff_t>(place) * count;
+  return {begin, begin + count};
+}
+
+TEST(HeadsetTracker, ARestReplacesTheNeutralOfTheCamerasThatAreThere) {
   Worn worn(HeadsetModel::create(constant_file(telling_answer())).value());
+  worn.pictures = 4;
   worn.run(0.5);
-  EXPECT_EQ(worn.tracker->wants_rest(), Duration::zero()) << "no neutral to take another for";
+  EXPECT_EQ(worn.tracker->wants_rest(), Duration::zero()) << "no neutral to replace";
   worn.tracker->guide(Step::neutral, worn.now(), worn.now() + HeadsetTracker::kNeutral);
   worn.run(3.1);
   ASSERT_EQ(worn.tracker->wants_rest(), HeadsetTracker::kRest);
-  const std::string before = worn.tracker->calibration();
+  const RestFeatures before = rest_of(*worn.tracker);
 
-  // One that gives too little leaves the neutral as it was.
+  // The headset has slipped, and one camera falls silent after a moment.
+  worn.first_picture = 20;
+  worn.run(0.2);
   worn.tracker->rest(worn.now(), worn.now() + HeadsetTracker::kRest);
-  worn.sends = {false, false, false, false};
+  worn.run(0.5);
+  worn.sends[3] = false;
+  worn.run(0.5);
+  EXPECT_NEAR(worn.frame.weights[kJaw], 0, 1e-5) << "corrected by the neutral before";
+  EXPECT_EQ(worn.tracker->calibration_state().phase, Phase::done);
+  worn.run(1.1);
+  ASSERT_EQ(worn.rests.size(), 1U);
+  EXPECT_EQ(worn.rests[0].corrected, (std::vector<std::uint16_t>{0, 1, 2}));
+  EXPECT_EQ(worn.rests[0].absent, std::vector<std::uint16_t>{3});
+  EXPECT_EQ(worn.events.size(), 1U) << "no calibration event";
+  EXPECT_NEAR(worn.frame.weights[kJaw], 0, 1e-5);
+  const RestFeatures after = rest_of(*worn.tracker);
+  EXPECT_EQ(after.present, before.present);
+  for (std::size_t place = 0; place < model::kViews; ++place)
+    EXPECT_EQ(view_of(after, place) == view_of(before, place), place == 3) << place;
+}
+
+TEST(HeadsetTracker, ARestThatFailsLeavesTheNeutralAsItWas) {
+  Worn worn(HeadsetModel::create(constant_file(telling_answer())).value());
+  worn.run(0.5);
+  worn.tracker->guide(Step::neutral, worn.now(), worn.now() + HeadsetTracker::kNeutral);
+  worn.run(3.1);
+  const std::string before = worn.tracker->calibration();
+  // No pictures.
+  worn.tracker->rest(worn.now(), worn.now() + HeadsetTracker::kRest);
+  worn.sends.fill(false);
   worn.run(2.1);
   ASSERT_EQ(worn.rests.size(), 1U);
   EXPECT_TRUE(worn.rests[0].corrected.empty());
   EXPECT_EQ(worn.rests[0].absent.size(), 4U);
   EXPECT_EQ(worn.tracker->calibration(), before);
-
-  // A camera that is missing is told of; what is shown meanwhile is corrected as before.
-  worn.sends = {true, true, true, false};
-  worn.run(0.2);
-  worn.tracker->rest(worn.now(), worn.now() + HeadsetTracker::kRest);
-  worn.run(1);
-  EXPECT_NEAR(worn.frame.weights[kJaw], 0, 1e-5);
-  EXPECT_EQ(worn.tracker->calibration_state().phase, Phase::done);
-  worn.run(1.1);
-  ASSERT_EQ(worn.rests.size(), 2U);
-  EXPECT_EQ(worn.rests[1].corrected, (std::vector<std::uint16_t>{0, 1, 2}));
-  EXPECT_EQ(worn.rests[1].absent, std::vector<std::uint16_t>{3});
-  EXPECT_NE(worn.tracker->calibration(), before);
-  EXPECT_NEAR(worn.frame.weights[kJaw], 0, 1e-5);
-  EXPECT_EQ(worn.events.size(), 1U) << "no calibration event";
-
   // An empty rest ends one.
-  const std::string after = worn.tracker->calibration();
-  worn.sends[3] = true;
+  worn.sends.fill(true);
+  worn.first_picture = 10;
+  worn.pictures = 4;
   worn.tracker->rest(worn.now(), worn.now() + HeadsetTracker::kRest);
   worn.run(1);
   worn.tracker->rest(worn.now(), worn.now());
   worn.run(2);
-  EXPECT_EQ(worn.rests.size(), 2U);
-  EXPECT_EQ(worn.tracker->calibration(), after);
+  EXPECT_EQ(worn.rests.size(), 1U);
+  EXPECT_EQ(worn.tracker->calibration(), before);
+  // A guided hold does, and so does a camera that is another now.
+  worn.tracker->rest(worn.now(), worn.now() + HeadsetTracker::kRest);
+  worn.run(1);
+  worn.tracker->forget(2);
+  worn.run(2);
+  EXPECT_EQ(worn.rests.size(), 1U);
+  EXPECT_TRUE(worn.tracker->calibration().empty());
 }
 
 TEST(HeadsetTracker, AllocatesNothingOnceItRuns) {

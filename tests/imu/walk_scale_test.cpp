@@ -18,7 +18,7 @@ constexpr std::size_t kCount = 11;
 /// expected of each, of the first `odd` sensors a hundred times that.
 double factor_after(double hours, double ratio, std::size_t odd = 0) {
   Random random(7);
-  WalkScale scale(kCount, 60);
+  WalkScale scale(kCount, 60, 0.5);
   double product = 1;
   for (int second = 0; second < std::lround(3600 * hours); ++second) {
     for (std::size_t i = 0; i < kCount; ++i) {
@@ -44,8 +44,17 @@ TEST(WalkScale, AFewSensorsDoNotMoveIt) {
   EXPECT_LT(factor_after(1, 0.3, 4), 1.6);
 }
 
+TEST(WalkScale, TwoSensorsTellNothing) {
+  WalkScale scale(kCount, 60, 0.5);
+  for (int n = 0; n < 600; ++n) {
+    scale.add(3, Vec3(1, 1, 1), 0.01);
+    scale.add(4, Vec3(1, 1, 1), 0.01);
+    EXPECT_EQ(scale.advance(1), 1);
+  }
+}
+
 TEST(WalkScale, WithoutCorrectionsItStays) {
-  WalkScale scale(kCount, 60);
+  WalkScale scale(kCount, 60, 0.5);
   for (int n = 0; n < 1000; ++n) EXPECT_EQ(scale.advance(1), 1);
   for (std::size_t i = 0; i < kCount; ++i) scale.add(i, Vec3(1, 1, 1), 0.1);
   for (int n = 0; n < 200; ++n) (void)scale.advance(1);
@@ -81,12 +90,14 @@ double error_deg(const Scaled& sensors, const Scaled& settings) {
       for (std::size_t i = 0; i < test::kSensors; ++i, ++count)
         squares += wearer.turn_error(filter, i).squaredNorm();
     });
+    for (std::size_t i = 0; i < test::kSensors; ++i)
+      EXPECT_LT(std::sqrt(filter.rotation_covariance(i, wearer.up()).trace()), 12 * kRadPerDeg) << seed;
   }
   return kDegPerRad * std::sqrt(squares / count);
 }
 
-TEST(WalkScale, SoftAdhesivesAreFollowedAsIfTheSettingsExpectedThem) {
-  EXPECT_LT(error_deg({.creep = 3}, {}), 1.25 * error_deg({.creep = 3}, {.creep = 3}));
+TEST(WalkScale, SoftAdhesivesAreFollowedNearlyAsIfTheSettingsExpectedThem) {
+  EXPECT_LT(error_deg({.creep = 3}, {}), 1.5 * error_deg({.creep = 3}, {.creep = 3}));
 }
 
 TEST(WalkScale, CheapGyroscopesAreFollowedNearlyAsIfTheSettingsExpectedThem) {

@@ -31,7 +31,7 @@ face::Motion filmed_motion(std::size_t pieces, int filmed, const Random& random)
   face::Motion motion;
   for (std::size_t piece = 0; piece < pieces; ++piece) {
     const double begin_s = static_cast<double>(piece) * filmed / kFrameRateHz;
-    for (int n = 0; n < kRestFrames; ++n) motion.frames.push_back({.time_s = begin_s + n / kFrameRateHz});
+    for (int n = 0; n < kRestFrames; ++n) motion.frames.emplace_back().time_s = begin_s + n / kFrameRateHz;
     const double moved_s = (filmed - kRestFrames) / kFrameRateHz;
     for (face::MotionFrame& frame : headset_motion(moved_s, random.fork("piece", piece)).frames) {
       if (frame.time_s >= moved_s) break;
@@ -62,7 +62,10 @@ Result<std::vector<measure::WeightErrors>> play_hours(
       if (recentres) tracker->rest(now + kAsked, now + kAsked + tracker->wants_rest());
     }
     deliver(film.records[n], now, rig, {}, lines, *tracker);
-    tracker->tick(now, lines, out);
+    const tracker::TickResult result = tracker->tick(now, lines, out);
+    if ((in_motion == 0 && tracker->calibration().empty()) ||
+        (result.rested && result.rested->corrected.size() != rig.sensors.size()))
+      return fail(ErrorCode::internal, "a face at rest was not taken for one", "hours of a headset");
     if (in_motion < 0 || in_piece < kRestFrames) continue;
     face::BlendshapeWeights truth;
     std::ranges::copy(film.truth[n].weights, truth.values.begin());
@@ -123,10 +126,13 @@ Result<std::vector<std::vector<HeadsetHoursPiece>>> study_headset_hours(
     const HeadsetHoursRequest& request, const sensor::Rig& rig,
     const std::shared_ptr<const headset::HeadsetModel>& model, const std::vector<float>& mean_answer,
     const Progress& progress) {
+  if (request.wearers < 1 || !(request.minutes >= 10 && request.minutes <= 600) ||
+      !(request.seconds >= 1 && request.seconds <= 60))
+    return fail(
+        ErrorCode::out_of_range,
+        "a study of hours takes a wearer or more, 10 to 600 minutes, and 1 to 60 seconds of motion in "
+        "each ten of them");
   const auto pieces = static_cast<std::size_t>(60 * request.minutes / performer::kPieceS);
-  if (request.wearers < 1 || pieces < 1 || !(request.seconds >= 1 && request.seconds <= 60))
-    return fail(ErrorCode::out_of_range,
-                "a study of hours needs a wearer, ten minutes and a second of motion in each");
   MIEN_TRY_ASSIGN(const virt::HeadsetFaults faults, virt::parse_headset_faults(rig.faults_toml, rig.name));
   MIEN_TRY(virt::check_network_views(rig));
   virt::HeadsetFaults still = faults;
@@ -135,6 +141,7 @@ Result<std::vector<std::vector<HeadsetHoursPiece>>> study_headset_hours(
   const HeadsetTakeRequest take{.frames = static_cast<int>(pieces) * filmed,
                                 .neutral_frames = kNeutralFrames,
                                 .rate_hz = kFrameRateHz,
+                                .seat = {},
                                 .side = static_cast<int>(model->network().architecture().side),
                                 .filmed_at_once = filmed,
                                 .unfilmed_s = performer::kPieceS - filmed / kFrameRateHz};

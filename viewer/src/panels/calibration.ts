@@ -44,7 +44,7 @@ export class CalibrationPanel {
       h("div", { class: "button-row" }, short, full, wearer, gaze, recentre),
       h("p", {
         class: "quiet",
-        text: "Calibrate: hold still, nod, shake your head. With expressions: then also a few faces to make, and each is told how well it was seen. Learn my skin: then a minute of other faces, and sensors on the skin are read as yours from then on. Where I look, with a headset: five points to look at, said aloud. Re-centre: relax for three seconds and a half; what your sensors drifted by is taken out, and the face you have now is neutral again.",
+        text: "Calibrate: hold still, nod, shake your head. With expressions: then also a few faces to make, and each is told how well it was seen. Learn my skin: then a minute of other faces, and sensors on the skin are read as yours from then on. Where I look, with a headset: five points to look at, said aloud. Re-centre: relax and look ahead for three seconds and a half; what your sensors drifted by, or your headset slipped by, is corrected, and the face you have now is neutral again.",
       }),
       new PhoneLessonSection(session, actions).element,
       h("h3", { text: "Versions" }),
