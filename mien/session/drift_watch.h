@@ -12,8 +12,8 @@ namespace mien::session {
 
 /// Watches how uncertain the sensors' rotations have become since the calibration, and tells when re-centring
 /// is worth a person's two seconds: once they are less certain than kLimit_rad, or a sensor is left out for
-/// its uncertainty, all through kFor. A pure function of the calls, on frame time. No allocation but where it
-/// tells.
+/// its uncertainty, all through kFor. Cameras state no uncertainty: a headset that slips is not noticed. A
+/// pure function of the calls, on frame time. No allocation but where it tells.
 class DriftWatch {
  public:
   /// RMS over the sensors (5 degrees): twice what hours of a session have where all goes well

@@ -67,7 +67,7 @@ struct TruthFrame {
 };
 
 /// Something that happened. Kinds that are written: of a calibration "neutral", "nod", "shake", "range",
-/// "prompt", "calibrated", "calibration_failed", "recentre", "recentre_failed"; of devices "bind",
+/// "prompt", "calibrated", "calibration_failed", "recentre", "recentre_failed", "rested"; of devices "bind",
 /// "sensor_lost", "sensor_back", "face_lost", "face_back"; of a performed motion "ease", in which it is not
 /// evaluated.
 struct Event {
