@@ -40,6 +40,8 @@ struct CalibrateOptions {
 
 /// A status may be older than the reply before it, by two of them at most; this many are five seconds.
 constexpr int kStatusesToBelieve = 25;
+/// Letters of a notice that names all sensors of a rig.
+constexpr std::size_t kLongestNotice = 600;
 /// A re-centring takes 3.5 s with sensors on the skin or cameras, else 1.5 s; this many are eight seconds.
 constexpr int kStatusesToRecentre = 40;
 
@@ -147,11 +149,10 @@ class Patience {
   bool said_ = false;
 };
 
-/// What an event says of why, as one line for a terminal.
+/// Why something failed, as one line for a terminal: what follows an event's "not calibrated: ".
 std::string why_of(const SessionEvent& event) {
-  const auto said = nlohmann::json::parse(event.text, nullptr, false);
-  const bool told = said.is_object() && said.contains("why") && said["why"].is_string();
-  return told ? one_line(said["why"].get<std::string>()) : "it did not come about";
+  const std::size_t colon = event.text.find(": ");
+  return colon == std::string::npos ? "it did not come about" : one_line(event.text.substr(colon + 2));
 }
 
 /// How a guided calibration ended.
@@ -283,7 +284,7 @@ Result<void> run_recentre(const CalibrateOptions& options) {
     MIEN_TRY(session->next_status());
     const std::vector<SessionEvent> events = session->take_events();
     for (const SessionEvent& event : events)
-      if (event.kind == "rested") fmt::print(stderr, "{}\n", one_line(event.text));
+      if (event.kind == "rested") fmt::print(stderr, "{}\n", one_line(event.text, kLongestNotice));
     if (const Version* made = made_since(session->status().calibration, before, "recentre")) {
       if (options.json)
         print_json(version_json(*made));
@@ -294,7 +295,7 @@ Result<void> run_recentre(const CalibrateOptions& options) {
     for (const SessionEvent& event : events)
       if (event.kind == "recentre_failed")
         return fail(ErrorCode::io, why_of(event) + "; the neutral face stays as it was", "re-centring",
-                    "see on the page which sensors are there");
+                    "calibrate where nothing is calibrated yet; the page shows which sensors are there");
     if (stop_asked())
       return fail(ErrorCode::cancelled, "not waited for: it may still come into force", "re-centring");
   }

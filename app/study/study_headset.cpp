@@ -237,7 +237,8 @@ void add_study_headset(Commands& commands, Command study) {
                       "each ten minutes, while the headset slips, beside one that does not and one that is "
                       "re-centred")
           .in_range(10.0, 180.0);
-  for (const char* name : {"--sheet", "--motion", "--face"}) minutes.excludes(command.option(name));
+  for (const char* name : {"--sheet", "--motion", "--face", "--failures", "--side"})
+    minutes.excludes(command.option(name));
   command.add_flag("--json", options->json, "Print the scores as JSON");
   add_seed_option(command, options->request.seed, "Of the wearers and their headsets");
 }

@@ -406,7 +406,7 @@ std::string event_text(const take::Event& event) {
     const std::string moved = names_text(details, "moved"), absent = names_text(details, "absent");
     if (!moved.empty())
       return "the face moved at " + moved +
-             " while it should rest, so drift was not corrected there; relax it and re-centre again";
+             " while it should rest, so that was not corrected; relax it and re-centre again";
     return absent.empty() ? std::string()
                           : "not corrected for lack of data: " + absent +
                                 "; see to it on the page's sensors, then re-centre again";

@@ -182,7 +182,7 @@ TEST(Calibrate, RecentringWithoutSensorsSaysSo) {
   StagedSession session(std::move(entries), 18, 10);
   const Outcome outcome = calibrate(session, {"recentre"});
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("no sensor sent anything; nothing was changed"));
+  EXPECT_THAT(outcome.err, HasSubstr("no sensor sent anything; the neutral face stays as it was"));
 }
 
 TEST(Calibrate, ATokenIsAskedForAndTakenFromThePagesAddress) {

@@ -97,7 +97,8 @@ class StagedSession {
       if (code) return;
       if (going_) advance(now_ + from_seconds(speed_ * std::chrono::duration<double>(kBeat).count()));
       for (const take::Event& event : session_->take_events())
-        page_->send(live::event_json(event.kind, event.json));
+        if (const std::string text = live::event_text(event); !text.empty())
+          page_->send(live::event_json(event.kind, text));
       live::Status status;
       status.report = report_now();
       page_->send(live::status_json(status, session_->rig()));

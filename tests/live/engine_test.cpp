@@ -254,8 +254,9 @@ TEST(Engine, ADatagramOfOscRecentresAndThePageIsToldWhoAsked) {
     return message["type"] == "event" && message["kind"] == "recentre";
   });
   ASSERT_NE(told, page.messages().end());
-  EXPECT_EQ((*told)["text"], fmt::format("re-centring, as udp://127.0.0.1:{} asks by OSC: relax your face",
-                                         headset.local_endpoint().port()));
+  EXPECT_EQ((*told)["text"],
+            fmt::format("re-centring, as udp://127.0.0.1:{} asks by OSC: relax your face and look ahead",
+                        headset.local_endpoint().port()));
 }
 
 TEST(Engine, ATakeOfTheWholeSessionReplaysToItsBitsAndItEndsByItself) {

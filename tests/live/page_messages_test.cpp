@@ -137,12 +137,13 @@ TEST(PageMessages, RecentringIsAdvisedAndTold) {
   const auto text = [](const char* kind, const char* json) { return event_text({kind, {}, {}, json}); };
   EXPECT_EQ(text("recentre", ""), "") << "who pressed Space knows";
   EXPECT_EQ(text("recentre", R"({"source": "udp://10.0.0.9:9000"})"),
-            "re-centring, as udp://10.0.0.9:9000 asks by OSC: relax your face");
-  EXPECT_EQ(text("rested", R"({"corrected": ["a"], "moved": [], "absent": ["b"]})"), "");
-  EXPECT_EQ(
-      text("rested", R"({"corrected": [], "moved": ["mentalis", "brow"], "absent": []})"),
-      "the face moved at mentalis, brow while it should rest, so drift was not corrected there; relax it and "
-      "re-centre again");
+            "re-centring, as udp://10.0.0.9:9000 asks by OSC: relax your face and look ahead");
+  EXPECT_EQ(text("rested", R"({"corrected": ["a"], "moved": [], "absent": []})"), "");
+  EXPECT_EQ(text("rested", R"({"corrected": ["a"], "moved": [], "absent": ["b"]})"),
+            "not corrected for lack of data: b; see to it on the page's sensors, then re-centre again");
+  EXPECT_EQ(text("rested", R"({"corrected": [], "moved": ["mentalis", "brow"], "absent": []})"),
+            "the face moved at mentalis, brow while it should rest, so that was not corrected; relax it and "
+            "re-centre again");
   EXPECT_EQ(text("recentre_advised", R"({"sigma_deg": 6.25, "left_out": []})"),
             "rotations are known to 6.2 degrees only; relax your face and press Space on the page, or mien "
             "calibrate recentre");
