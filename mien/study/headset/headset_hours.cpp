@@ -4,10 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
-#include <utility>
 
 #include "mien/face/motion.h"
-#include "mien/headset/answer.h"
 #include "mien/headset/headset_tracker.h"
 #include "mien/measure/weight_errors.h"
 #include "mien/performer/long_motion.h"
@@ -91,11 +89,11 @@ std::vector<measure::WeightErrors> mean_pose_errors(const SeenFilm& film, int fi
 }
 
 /// One wearer's errors, by piece.
-struct WornErrors {
+struct WearerErrors {
   std::vector<measure::WeightErrors> slips, recentred, still, mean_pose;
 };
 
-std::vector<HeadsetHoursPiece> pieces_of(const WornErrors& errors) {
+std::vector<HeadsetHoursPiece> pieces_of(const WearerErrors& errors) {
   std::vector<HeadsetHoursPiece> out;
   for (std::size_t p = 0; p < errors.slips.size(); ++p) {
     HeadsetHoursPiece& piece = out.emplace_back();
@@ -145,7 +143,7 @@ Result<std::vector<std::vector<HeadsetHoursPiece>>> study_headset_hours(
                                 .side = static_cast<int>(model->network().architecture().side),
                                 .filmed_at_once = filmed,
                                 .unfilmed_s = performer::kPieceS - filmed / kFrameRateHz};
-  std::vector<WornErrors> errors(static_cast<std::size_t>(request.wearers));
+  std::vector<WearerErrors> errors(static_cast<std::size_t>(request.wearers));
   // A film each of the headset that slips and of the one that does not.
   const auto wear = [&](std::size_t job) -> Result<void> {
     const std::size_t w = job / 2;
