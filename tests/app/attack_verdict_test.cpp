@@ -50,5 +50,15 @@ TEST(AttackVerdict, NothingOfAStrangersIsAccepted) {
               ElementsAre("its take replays to other bits"));
 }
 
+TEST(AttackVerdict, FramesAreAddedBeyondTheRateAndNotBeyondAQuietSessionThatDropsSome) {
+  AttackFigures quiet = figures(1000), attacked = figures(1000);
+  quiet.added = -2;
+  EXPECT_THAT(breaches(Attack{}, true, {attacked}, {quiet}), IsEmpty());
+  attacked.added = 2;
+  EXPECT_THAT(breaches(Attack{}, true, {attacked}, {quiet}), ElementsAre("2 frames added"));
+  quiet.added = 1;
+  EXPECT_THAT(breaches(Attack{}, true, {attacked}, {quiet}), IsEmpty());
+}
+
 }  // namespace
 }  // namespace mien::app::test::attack_verdict_test
