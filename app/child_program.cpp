@@ -200,19 +200,32 @@ Result<void> become_program(const fs::path& program, std::vector<std::string> co
   return fail(ErrorCode::io, std::strerror(errno), program.string());
 }
 
+namespace {
+
+/// Of a helper that is missing.
+std::string how_to_build(const std::string& helper) {
+  const auto built_with = [](std::string_view option, std::string_view needs) {
+    return fmt::format("build Mien with {} on, as script/bootstrap and cmake --preset release do{}", option,
+                       needs);
+  };
+  if (helper == "mien-media")
+    return built_with("MIEN_MEDIA",
+                      "; it needs Debian's libavformat-dev, libavcodec-dev, libswscale-dev, "
+                      "libswresample-dev and libespeak-ng-dev");
+  if (helper == "mien-train") return built_with("MIEN_TRAIN", "; it needs Debian's libtorch-dev");
+  return built_with("MIEN_LAB", "");
+}
+
+}  // namespace
+
 Result<fs::path> find_helper(const std::string& name) {
   MIEN_TRY_ASSIGN(const fs::path self, running_program());
   std::error_code code;
   const fs::path path = self.parent_path() / name;
   if (!fs::exists(path, code))
-    return fail(
-        ErrorCode::not_found, fmt::format("the helper {} is not beside {}", name, self.filename().string()),
-        self.parent_path().string(),
-        name == "mien-media" ? "build Mien with MIEN_MEDIA on, as script/bootstrap and cmake --preset "
-                               "release do; it needs Debian's libavformat-dev, libavcodec-dev, "
-                               "libswscale-dev, libswresample-dev and libespeak-ng-dev"
-                             : "build Mien with MIEN_TRAIN on, as script/bootstrap and cmake --preset "
-                               "release do; it needs Debian's libtorch-dev");
+    return fail(ErrorCode::not_found,
+                fmt::format("the helper {} is not beside {}", name, self.filename().string()),
+                self.parent_path().string(), how_to_build(name));
   return path;
 }
 

@@ -74,8 +74,8 @@ class Child {
                                           std::vector<std::string> command,
                                           std::vector<std::string> environment);
 
-/// Where a helper program ("mien-media", "mien-train") stands: beside this program's real path. Errors:
-/// not_found, with what to build or install.
+/// Where a helper program ("mien-lab", "mien-media", "mien-train") stands: beside this program's real path.
+/// Errors: not_found, with what to build or install.
 [[nodiscard]] Result<std::filesystem::path> find_helper(const std::string& name);
 
 }  // namespace mien::app

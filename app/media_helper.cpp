@@ -145,7 +145,7 @@ Result<bool> FilmReader::next(std::span<std::uint8_t> grey) {
   return false;
 }
 
-Result<study::FilmSound> read_film_sound(const fs::path& film, int rate_hz) {
+Result<solve::FilmSound> read_film_sound(const fs::path& film, int rate_hz) {
   MIEN_TRY_ASSIGN(Child child, start_helper({"sound", "--rate", std::to_string(rate_hz), "--", film.string()},
                                             Child::Output::read));
   MIEN_TRY_ASSIGN(const std::string head, read_head(child));
@@ -157,7 +157,7 @@ Result<study::FilmSound> read_film_sound(const fs::path& film, int rate_hz) {
     MIEN_TRY(finish_helper(child, true));
     return fail(ErrorCode::internal, "it tells no rate of the film's sound", kHelper);
   }
-  study::FilmSound out;
+  solve::FilmSound out;
   out.sound.rate_hz = static_cast<std::uint32_t>(rate_hz);
   if (const auto start = face::parse_timecode(timecode.data()); start && timecode_hz >= 1)
     out.start_s = face::timecode_seconds(*start, static_cast<int>(timecode_hz));
@@ -173,16 +173,16 @@ Result<study::FilmSound> read_film_sound(const fs::path& film, int rate_hz) {
   return out;
 }
 
-study::Speaker speaker_by_helper() {
+performer::Speaker speaker_by_helper() {
   return [](const std::string& voice, const std::string& text,
-            int words_per_minute) -> Result<study::SpokenLine> {
+            int words_per_minute) -> Result<performer::SpokenLine> {
     MIEN_TRY_ASSIGN(const PrivateFolder folder, PrivateFolder::make());
     const fs::path json = folder.path() / "speech.json", wav = folder.path() / "speech.wav";
     MIEN_TRY_ASSIGN(Child child, start_helper({"speak", "--language=" + voice, "--text=" + text, "--rate",
                                                std::to_string(words_per_minute), "--json", json.string(),
                                                "--wav", wav.string()}));
     MIEN_TRY(finish_helper(child));
-    study::SpokenLine line;
+    performer::SpokenLine line;
     MIEN_TRY_ASSIGN(const std::string times, read_text(json));
     MIEN_TRY_ASSIGN(line.utterance, performer::parse_utterance(times));
     MIEN_TRY_ASSIGN(const auto bytes, read_file(wav));

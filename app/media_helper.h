@@ -10,9 +10,9 @@
 
 #include "mien/core/error.h"
 #include "mien/core/wav.h"
+#include "mien/performer/speaker.h"
 #include "mien/render/image.h"
-#include "mien/study/sound_guess.h"
-#include "mien/study/speech/speaker.h"
+#include "mien/solve/sound_guess.h"
 
 namespace mien::app {
 
@@ -64,10 +64,10 @@ class FilmReader {
 
 /// A film's sound, or a sound file's, which `mien-media` decodes. Errors: not_found (no helper), and what the
 /// helper says of the film.
-[[nodiscard]] Result<study::FilmSound> read_film_sound(const std::filesystem::path& film, int rate_hz);
+[[nodiscard]] Result<solve::FilmSound> read_film_sound(const std::filesystem::path& film, int rate_hz);
 
 /// Who reads aloud by `mien-media speak`. Errors of what it returns: not_found (no helper), and what the
 /// helper says.
-[[nodiscard]] study::Speaker speaker_by_helper();
+[[nodiscard]] performer::Speaker speaker_by_helper();
 
 }  // namespace mien::app

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "app/media_helper.h"
-#include "mien/study/speech/lines.h"
+#include "mien/performer/lines.h"
 
 namespace mien::app {
 namespace {
@@ -20,8 +20,8 @@ constexpr double kPauseS = 0.4;
 /// Has each line said once.
 class Reader {
  public:
-  Result<const study::SpokenLine*> say(const std::string& voice, const std::string& text,
-                                       int words_per_minute) {
+  Result<const performer::SpokenLine*> say(const std::string& voice, const std::string& text,
+                                           int words_per_minute) {
     const auto key = std::tuple(voice, text, words_per_minute);
     if (const auto found = said_.find(key); found != said_.end()) return &found->second;
     auto line = speaker_(voice, text, words_per_minute);
@@ -34,8 +34,8 @@ class Reader {
   }
 
  private:
-  study::Speaker speaker_ = speaker_by_helper();
-  std::map<std::tuple<std::string, std::string, int>, study::SpokenLine> said_;
+  performer::Speaker speaker_ = speaker_by_helper();
+  std::map<std::tuple<std::string, std::string, int>, performer::SpokenLine> said_;
 };
 
 /// Appends what is said at `at_s` of the segment.
@@ -64,7 +64,7 @@ void mix(const Sound& line, double at_s, double end_s, Sound& all) {
 Result<Sound> read_aloud(std::span<performer::Script> scripts, const Progress& progress) {
   // espeak-ng's own pace for calm reading; acted lines are quicker.
   constexpr int kCalm = 140, kActed = 170;
-  const auto languages = study::reading_languages();
+  const auto languages = performer::reading_languages();
   Reader reader;
   Sound mixed;
   double begin_s = 0, whole_s = 0;
@@ -81,14 +81,14 @@ Result<Sound> read_aloud(std::span<performer::Script> scripts, const Progress& p
     const double from_s = begin_s;
     begin_s += segment_s;
     if (segment.block != performer::Block::reading && segment.block != performer::Block::acted) continue;
-    const study::ReadingLanguage& language = languages[spoken % languages.size()];
+    const performer::ReadingLanguage& language = languages[spoken % languages.size()];
     performer::Utterance all;
     double at_s = 0;
     for (std::size_t line = spoken++; at_s < segment_s; ++line) {
       if (!progress((from_s + at_s) / whole_s, language.voice))
         return fail(ErrorCode::cancelled, "stopped while reading aloud");
       MIEN_TRY_ASSIGN(
-          const study::SpokenLine* said,
+          const performer::SpokenLine* said,
           reader.say(std::string(language.voice), std::string(language.lines[line % language.lines.size()]),
                      segment.block == performer::Block::acted ? kActed : kCalm));
       all.language = segment.language = said->utterance.language;

@@ -1,5 +1,5 @@
 # What `cmake --install` lays down: the programs, their parts (models, prompts, rigs), the library with its headers, and the CMake
-# package `mien`, so that another project says find_package(mien) and links mien::study or any lower room.
+# package `mien`, so that another project says find_package(mien) and links mien::virtual or any lower room.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -11,7 +11,7 @@ foreach(part models prompts rigs)
   install(DIRECTORY "${CMAKE_SOURCE_DIR}/${part}" DESTINATION "${CMAKE_INSTALL_DATADIR}/mien")
 endforeach()
 
-foreach(program mien mien-train mien-media)
+foreach(program mien mien-lab mien-train mien-media)
   if(TARGET ${program})
     install(TARGETS ${program} RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
   endif()
@@ -20,13 +20,13 @@ endforeach()
 # The library without train, media and onnx: these are for the program and its helpers, and would bring libtorch, FFmpeg
 # and libonnx with them.
 get_property(rooms GLOBAL PROPERTY MIEN_ROOMS)
-list(REMOVE_ITEM rooms train media onnx)
+list(REMOVE_ITEM rooms lab train media onnx)
 foreach(room IN LISTS rooms)
   set_target_properties(mien_${room} PROPERTIES EXPORT_NAME ${room})
   install(TARGETS mien_${room} EXPORT mien_rooms ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
   if(IS_DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}")  # A part of a room comes with its room.
     install(DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mien"
-            FILES_MATCHING PATTERN "*.h" PATTERN media EXCLUDE
+            FILES_MATCHING PATTERN "*.h"
             # Headers of a room's own sources, which no installed header includes.
             PATTERN gltf EXCLUDE PATTERN compiler EXCLUDE REGEX "/take/(database|layout|new_file|opening|row_writer)\\.h$" EXCLUDE
             REGEX "/(imu/pipeline|render/renderer)_state\\.h$" EXCLUDE

@@ -2,10 +2,10 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "mien/study/eyewear/eyewear_dataset.h"
+#include "mien/synthetic/eyewear/eyewear_dataset.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto recipe = mien::study::parse_eyewear_data_recipe(
+  const auto recipe = mien::synthetic::parse_eyewear_data_recipe(
       std::string_view(reinterpret_cast<const char*>(data), size), "input");
   if (!recipe) return 0;
   // What was accepted asks for something that can be made.

@@ -3,11 +3,11 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "mien/study/imu/make_dataset.h"
+#include "mien/synthetic/imu/make_dataset.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto recipe =
-      mien::study::parse_data_recipe(std::string_view(reinterpret_cast<const char*>(data), size), "input");
+  const auto recipe = mien::synthetic::parse_data_recipe(
+      std::string_view(reinterpret_cast<const char*>(data), size), "input");
   if (!recipe) return 0;
   // What was accepted asks for something that can be made.
   const auto size_within = [](double value, double most) { return value >= 0 && value <= most; };

@@ -4,17 +4,17 @@
 #include <span>
 #include <string_view>
 
-#include "mien/study/trackers/mediapipe_scores.h"
-#include "mien/study/trackers/openseeface_log.h"
-#include "mien/study/trackers/time_line.h"
-#include "mien/study/trackers/tracker_curves.h"
+#include "lab/trackers/mediapipe_scores.h"
+#include "lab/trackers/openseeface_log.h"
+#include "lab/trackers/time_line.h"
+#include "lab/trackers/tracker_curves.h"
 
 namespace {
 
 /// Ascending times, finite weights, none of what is not told.
-void expect_sound(const mien::study::TrackerCurves& curves) {
+void expect_sound(const mien::lab::TrackerCurves& curves) {
   double last_s = -1e300;
-  for (const mien::study::TrackerRow& row : curves.rows) {
+  for (const mien::lab::TrackerRow& row : curves.rows) {
     if (!std::isfinite(row.time_s) || !(row.time_s > last_s)) std::abort();
     last_s = row.time_s;
     if (!row.weights) continue;
@@ -26,14 +26,14 @@ void expect_sound(const mien::study::TrackerCurves& curves) {
 }
 
 /// A table of the curves says the same again.
-void expect_round_trip(const mien::study::TrackerCurves& curves) {
+void expect_round_trip(const mien::lab::TrackerCurves& curves) {
   if (curves.told.none() || curves.rows.empty()) return;
-  for (const mien::study::TrackerRow& row : curves.rows)
+  for (const mien::lab::TrackerRow& row : curves.rows)
     if (row.weights)
       for (const float weight : row.weights->values)
-        if (std::abs(weight) > mien::study::kMostTrackerWeight) return;  // Live Link's may be larger.
-  const std::string text = mien::study::format_scores_csv(curves);
-  const auto again = mien::study::parse_scores_csv(text, "again");
+        if (std::abs(weight) > mien::lab::kMostTrackerWeight) return;  // Live Link's may be larger.
+  const std::string text = mien::lab::format_scores_csv(curves);
+  const auto again = mien::lab::parse_scores_csv(text, "again");
   if (!again || again->told != curves.told || again->rows.size() != curves.rows.size()) std::abort();
   for (std::size_t i = 0; i < curves.rows.size(); ++i)
     if (again->rows[i].time_s != curves.rows[i].time_s || again->rows[i].weights != curves.rows[i].weights)
@@ -41,9 +41,9 @@ void expect_round_trip(const mien::study::TrackerCurves& curves) {
 }
 
 /// At a row's own time the line goes through it, and no gap has a value.
-void expect_line(const mien::study::TrackerCurves& curves) {
-  const mien::study::TimeLine line(curves);
-  for (const mien::study::TrackerRow& row : curves.rows)
+void expect_line(const mien::lab::TrackerCurves& curves) {
+  const mien::lab::TimeLine line(curves);
+  for (const mien::lab::TrackerRow& row : curves.rows)
     if (row.weights && !line.at(row.time_s)) std::abort();
   (void)line.held_at(curves.first_s() - 1);
   if (!curves.rows.empty() && line.at(curves.first_s() - 1 - curves.period_s())) std::abort();

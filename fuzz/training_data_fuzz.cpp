@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "mien/study/imu/dataset_file.h"
+#include "mien/synthetic/imu/dataset_file.h"
 
 /// Whatever is read can be written, and is read the same: in the same bytes.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

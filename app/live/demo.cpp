@@ -31,7 +31,7 @@
 #include "mien/render/lettering.h"
 #include "mien/sensor/rig.h"
 #include "mien/session/replay.h"
-#include "mien/study/solve.h"
+#include "mien/solve/solve.h"
 #include "mien/virtual/perform_take.h"
 
 namespace mien::app {
@@ -138,7 +138,7 @@ Result<void> run_demo(DemoOptions options) {
   MIEN_TRY_ASSIGN(const take::Take live_take, take::Take::open(live_path));
   MIEN_TRY_ASSIGN(const std::unique_ptr<session::Session> session,
                   modalities::make_session(live_take.rig(), model_path));
-  study::Solution solution;
+  solve::Solution solution;
   const Progress replaying = terminal_progress("3/5 replaying the take");
   MIEN_TRY(session::replay(live_take, *session, [&](const take::Tick&, const face::OutputFrame& frame) {
     solution.frames.push_back(frame);
@@ -150,8 +150,8 @@ Result<void> run_demo(DemoOptions options) {
   const bool same_bits = session->hash() == captured.summary.hash;
 
   MIEN_TRY_ASSIGN(const take::Take truth_take, take::Take::open(request.take));
-  MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, study::own_truth(truth_take));
-  const measure::TakeEstimates estimates = study::with_truth(request.take, solution, truth);
+  MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, solve::own_truth(truth_take));
+  const measure::TakeEstimates estimates = solve::with_truth(request.take, solution, truth);
   MIEN_TRY_ASSIGN(const face::Face face, chosen_face(request.face));
   face::BlendshapeWeights mean_pose;
   std::ranges::copy(model.mean_pose, mean_pose.values.begin());

@@ -13,10 +13,10 @@
 #include "mien/core/files.h"
 #include "mien/imu/calibration.h"
 #include "mien/model/correction_json.h"
-#include "mien/study/imu/trace_features.h"
-#include "mien/study/learn_from_phone.h"
-#include "mien/study/part_of_work.h"
-#include "mien/study/solve.h"
+#include "mien/solve/learn_from_phone.h"
+#include "mien/solve/part_of_work.h"
+#include "mien/solve/solve.h"
+#include "mien/solve/trace_features.h"
 #include "mien/take/take.h"
 
 namespace mien::app {
@@ -40,10 +40,10 @@ Result<live::TaughtByPhone> learn(const std::filesystem::path& path, const std::
   // Reading the take is a second or two of a dozen.
   constexpr double kRead = 0.15;
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(path));
-  if (study::traced_sensor_names(take.rig()).empty())
+  if (solve::traced_sensor_names(take.rig()).empty())
     return fail(ErrorCode::unsupported, "there are no sensors on the skin, whose answers could be corrected",
                 path.filename().string());
-  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> all, study::take_features(take));
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> all, solve::take_features(take));
   if (!progress(kRead, "learning")) return fail(ErrorCode::cancelled, "stopped", path.filename().string());
   constexpr auto kNewest = static_cast<std::size_t>(kNewestS * kFrameRateHz);
   const std::span features = std::span(all).last(std::min(all.size(), kNewest));
@@ -52,8 +52,8 @@ Result<live::TaughtByPhone> learn(const std::filesystem::path& path, const std::
     std::erase_if(samples, [oldest = samples.back().arrival - from_seconds(kNewestS)](const auto& stored) {
       return stored.arrival < oldest;
     });
-  MIEN_TRY_ASSIGN(const study::PhoneTrack track,
-                  study::phone_track(take.rig(), samples, features.front().time));
+  MIEN_TRY_ASSIGN(const solve::PhoneTrack track,
+                  solve::phone_track(take.rig(), samples, features.front().time));
   std::error_code ignored;
   const bool folder = std::filesystem::is_directory(model, ignored);
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(folder ? model / "live.safetensors" : model));
@@ -62,8 +62,8 @@ Result<live::TaughtByPhone> learn(const std::filesystem::path& path, const std::
     file.skin->wearer = std::move(skin);
   MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(face_name));
   MIEN_TRY_ASSIGN(
-      const study::LearntFromPhone lesson,
-      study::learn_from_phone(take, features, track, face, file, study::part_of_work(progress, kRead, 1)));
+      const solve::LearntFromPhone lesson,
+      solve::learn_from_phone(take, features, track, face, file, solve::part_of_work(progress, kRead, 1)));
   if (!lesson.learnt.taken)
     return fail(
         ErrorCode::not_found,

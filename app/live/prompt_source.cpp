@@ -11,7 +11,7 @@
 #include "mien/builtin_face/markers.h"
 #include "mien/core/files.h"
 #include "mien/core/random.h"
-#include "mien/study/eyewear/marker_poses.h"
+#include "mien/virtual/eyewear/marker_poses.h"
 
 namespace mien::app {
 namespace {
@@ -45,8 +45,8 @@ Result<session::PromptScript> draw_prompts(const std::string& what) {
   MIEN_TRY_ASSIGN(const std::filesystem::path file, find_resource("rigs/markers.toml"));
   MIEN_TRY_ASSIGN(const builtin_face::MarkerSet markers, builtin_face::read_markers(file));
   const Random root = Random(seed).fork("prompts");
-  MIEN_TRY_ASSIGN(const study::MarkerPoses poses,
-                  study::MarkerPoses::measure(markers, kMeasured_s, root.fork("before")));
+  MIEN_TRY_ASSIGN(const virt::MarkerPoses poses,
+                  virt::MarkerPoses::measure(markers, kMeasured_s, root.fork("before")));
   Random drawn = root.fork("targets");
   session::PromptScript script{what, {}};
   for (std::size_t i = 0; i < count; ++i) {

@@ -114,7 +114,7 @@ class Rehearsal {
   Result<void> read(const session::Prompt& prompt) {
     const Emotion emotion = emotion_of(prompt.emotion);
     const bool acted = emotion != Emotion::neutral;
-    MIEN_TRY_ASSIGN(study::SpokenLine said,
+    MIEN_TRY_ASSIGN(performer::SpokenLine said,
                     speaker_(voice_of(prompt.language), prompt.text, acted ? kActedWords : kCalmWords));
     rest(kBeforeVoiceS);
     mix(said.sound, now_s_, now_s_ + said.sound.duration_s(), sound_);
@@ -136,7 +136,7 @@ class Rehearsal {
   }
 
   Random random_;
-  study::Speaker speaker_ = speaker_by_helper();
+  performer::Speaker speaker_ = speaker_by_helper();
   ScriptedPerformance out_;
   performer::Script said_;
   std::vector<Pose> poses_;

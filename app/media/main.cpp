@@ -15,11 +15,11 @@
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/core/wav.h"
-#include "mien/study/media/festival_speech.h"
-#include "mien/study/media/sound_reader.h"
-#include "mien/study/media/speech_synthesis.h"
-#include "mien/study/media/video_reader.h"
-#include "mien/study/media/video_writer.h"
+#include "mien/media/festival_speech.h"
+#include "mien/media/sound_reader.h"
+#include "mien/media/speech_synthesis.h"
+#include "mien/media/video_reader.h"
+#include "mien/media/video_writer.h"
 
 namespace {
 

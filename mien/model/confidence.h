@@ -46,7 +46,7 @@ struct ConfidenceTable {
   /// Share of the frames whose error was at most kConfidenceTolerance, 0 to 1: shapes x C x V, row-major.
   std::vector<float> within;
   /// From this explained share on a shape is measured, below it predicted; 0 to 1. Raising: fewer shapes are
-  /// called measured, each more surely. Chosen on the same people (study::measure_confidence).
+  /// called measured, each more surely. Chosen on the same people (synthetic::measure_confidence).
   float measured_from = 1;
   /// None (older files): nobody measured the regions.
   std::optional<RegionMaps> regions;

@@ -35,7 +35,7 @@ struct SpeechNetworkFile {
   std::string recipe;                            ///< Text of the training recipe (TOML).
   std::string results;                           ///< Measurements of the training, JSON; may be empty.
   std::vector<model::Tensor> network;
-  /// What its answers are worth by Heard::voice as coverage (study::measure_speech_confidence); none: nobody
+  /// What its answers are worth by Heard::voice as coverage (mien study speech); none: nobody
   /// measured it.
   std::optional<model::ConfidenceTable> confidence;
 

@@ -28,7 +28,7 @@ struct Frames {
 
 Frames frames_of(const BatchMaker& batches, std::size_t width, std::size_t sequence, std::size_t count,
                  Random& random) {
-  const study::Sequence& s = batches.dataset().sequences[sequence];
+  const dataset::Sequence& s = batches.dataset().sequences[sequence];
   count = std::min(count, s.frames);
   Frames frames{.condition = std::vector<float>(count * width), .weights = {}};
   batches.encode(sequence, 0, count, random, frames.condition);
@@ -39,19 +39,19 @@ Frames frames_of(const BatchMaker& batches, std::size_t width, std::size_t seque
 }
 
 template <class Condition>
-std::vector<std::size_t> sequences_where(const study::Dataset& dataset, const Condition& condition) {
+std::vector<std::size_t> sequences_where(const dataset::Dataset& dataset, const Condition& condition) {
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < dataset.sequences.size(); ++i)
     if (condition(dataset.sequences[i])) chosen.push_back(i);
   return chosen;
 }
 
-std::vector<std::size_t> of_profile(const study::Dataset& dataset, bool lab) {
-  return sequences_where(dataset, [&](const study::Sequence& s) { return s.lab == lab; });
+std::vector<std::size_t> of_profile(const dataset::Dataset& dataset, bool lab) {
+  return sequences_where(dataset, [&](const dataset::Sequence& s) { return s.lab == lab; });
 }
 
-std::vector<std::size_t> of_takes(const study::Dataset& dataset) {
-  return sequences_where(dataset, [](const study::Sequence& s) { return s.from_take; });
+std::vector<std::size_t> of_takes(const dataset::Dataset& dataset) {
+  return sequences_where(dataset, [](const dataset::Sequence& s) { return s.from_take; });
 }
 
 /// Of validation, so many of each sequence that the whole is enough to judge a ridge by.
@@ -170,7 +170,8 @@ std::vector<Frames> sampler_takes(const Recipe& recipe, const BatchMaker& valida
   Random random = Random(recipe.seed).fork("sampler");
   std::vector<std::vector<std::size_t>> profiles = {
       of_profile(validation.dataset(), true),
-      sequences_where(validation.dataset(), [](const study::Sequence& s) { return !s.lab && !s.from_take; })};
+      sequences_where(validation.dataset(),
+                      [](const dataset::Sequence& s) { return !s.lab && !s.from_take; })};
   if (auto recorded = of_takes(validation.dataset()); !recorded.empty())
     profiles.push_back(std::move(recorded));
   const std::size_t wanted = std::max<std::size_t>(1, recipe.sampler_frames / kSamplerTakeFrames / 2);
@@ -186,10 +187,10 @@ std::vector<Frames> sampler_takes(const Recipe& recipe, const BatchMaker& valida
 
 }  // namespace
 
-std::vector<float> mean_pose_of(const study::Dataset& dataset, const FrameWeights& weights) {
+std::vector<float> mean_pose_of(const dataset::Dataset& dataset, const FrameWeights& weights) {
   std::vector<double> sum;
   double frames = 0;
-  for (const study::Sequence& s : dataset.sequences) {
+  for (const dataset::Sequence& s : dataset.sequences) {
     if (s.frames == 0) continue;
     sum.resize(s.weights.size() / s.frames);
     const double weight = weights.of(s);
@@ -202,13 +203,13 @@ std::vector<float> mean_pose_of(const study::Dataset& dataset, const FrameWeight
   return mean;
 }
 
-std::vector<float> weight_covariance_of(const study::Dataset& dataset, const FrameWeights& weights) {
+std::vector<float> weight_covariance_of(const dataset::Dataset& dataset, const FrameWeights& weights) {
   using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   constexpr auto kShapes = static_cast<Eigen::Index>(face::kShapeCount);
   const std::vector<float> mean = mean_pose_of(dataset, weights);
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kShapes, kShapes);
   double frames = 0;
-  for (const study::Sequence& s : dataset.sequences) {
+  for (const dataset::Sequence& s : dataset.sequences) {
     RowMajor centred =
         Eigen::Map<const RowMajor>(s.weights.data(), static_cast<Eigen::Index>(s.frames), kShapes)
             .cwiseMax(0.0F)

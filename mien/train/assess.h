@@ -37,11 +37,11 @@ struct Assessment {
 inline constexpr double kSeamLimit = 1.2;
 
 /// Mean weights over all frames, clipped to [0, 1].
-[[nodiscard]] std::vector<float> mean_pose_of(const study::Dataset& dataset,
+[[nodiscard]] std::vector<float> mean_pose_of(const dataset::Dataset& dataset,
                                               const FrameWeights& weights = {});
 
 /// Covariance of the weights over all frames, clipped to [0, 1]: shapes x shapes, row-major.
-[[nodiscard]] std::vector<float> weight_covariance_of(const study::Dataset& dataset,
+[[nodiscard]] std::vector<float> weight_covariance_of(const dataset::Dataset& dataset,
                                                       const FrameWeights& weights = {});
 
 /// Mean third difference of weights [frames x width] over the frames that begin new ones of a window

@@ -42,7 +42,7 @@ void add_array(Sha256& hash, const std::vector<T>& values) {
 }
 
 /// All but whose it is.
-void add_sequence(Sha256& hash, const study::Sequence& s) {
+void add_sequence(Sha256& hash, const dataset::Sequence& s) {
   hash.add_value(static_cast<std::uint8_t>((s.lab ? 1 : 0) + (s.from_take ? 2 : 0)));
   hash.add_value(static_cast<std::uint64_t>(s.frames));
   add_array(hash, s.slopes);
@@ -53,14 +53,14 @@ void add_sequence(Sha256& hash, const study::Sequence& s) {
 
 }  // namespace
 
-Result<void> check(const study::Dataset& dataset) {
+Result<void> check(const dataset::Dataset& dataset) {
   const std::size_t n = dataset.sensors.size();
   if (n == 0) return fail(ErrorCode::mismatch, "the data set has no sensors");
   if (!dataset.standard_slopes.empty() &&
       (dataset.standard_slopes.size() != 3 * n * face::kShapeCount || !all_finite(dataset.standard_slopes)))
     return fail(ErrorCode::mismatch, "the standard skin does not fit the sensors", "data set");
   for (std::size_t i = 0; i < dataset.sequences.size(); ++i) {
-    const study::Sequence& s = dataset.sequences[i];
+    const dataset::Sequence& s = dataset.sequences[i];
     const std::string where = fmt::format("sequence {}", i);
     if (s.values.size() != s.frames * 7 * n || s.present.size() != s.frames * 2 * n ||
         s.weights.size() != s.frames * face::kShapeCount ||
@@ -73,13 +73,13 @@ Result<void> check(const study::Dataset& dataset) {
   return {};
 }
 
-std::string hash_of(const study::Dataset& dataset) {
+std::string hash_of(const dataset::Dataset& dataset) {
   Sha256 hash;
   for (const std::string& sensor : dataset.sensors) {
     hash.add(std::as_bytes(std::span(sensor)));
     hash.add_value('\n');
   }
-  for (const study::Sequence& s : dataset.sequences) {
+  for (const dataset::Sequence& s : dataset.sequences) {
     hash.add_value(s.performer);
     add_sequence(hash, s);
   }
@@ -87,33 +87,33 @@ std::string hash_of(const study::Dataset& dataset) {
   return hash.hex();
 }
 
-std::string hash_of_takes(const study::Dataset& training, const study::Dataset& validation) {
+std::string hash_of_takes(const dataset::Dataset& training, const dataset::Dataset& validation) {
   Sha256 hash;
-  for (const study::Dataset* dataset : {&training, &validation}) {
-    for (const study::Sequence& s : dataset->sequences)
+  for (const dataset::Dataset* dataset : {&training, &validation}) {
+    for (const dataset::Sequence& s : dataset->sequences)
       if (s.from_take) add_sequence(hash, s);
     hash.add_value('\n');
   }
   return hash.hex();
 }
 
-Result<void> check_apart(const study::Dataset& training, const study::Dataset& validation) {
+Result<void> check_apart(const dataset::Dataset& training, const dataset::Dataset& validation) {
   if (training.sensors != validation.sensors)
     return fail(ErrorCode::mismatch, "training and validation have different sensors", "data set");
   std::set<std::uint32_t> trained_on;
-  for (const study::Sequence& s : training.sequences) trained_on.insert(s.performer);
-  for (const study::Sequence& s : validation.sequences)
+  for (const dataset::Sequence& s : training.sequences) trained_on.insert(s.performer);
+  for (const dataset::Sequence& s : validation.sequences)
     if (trained_on.contains(s.performer))
       return fail(ErrorCode::mismatch,
                   fmt::format("performer {} is both trained and validated on", s.performer), "data set");
   return {};
 }
 
-model::FeatureNormalisation normalisation_of(const study::Dataset& dataset, double lab_noise_rad,
+model::FeatureNormalisation normalisation_of(const dataset::Dataset& dataset, double lab_noise_rad,
                                              const FrameWeights& weights) {
   const std::size_t n = dataset.sensors.size();
   std::vector<double> sum(7 * n), squares(7 * n), count(7 * n);
-  for (const study::Sequence& s : dataset.sequences) {
+  for (const dataset::Sequence& s : dataset.sequences) {
     const double weight = weights.of(s);
     for (std::size_t f = 0; f < s.frames; ++f)
       for (std::size_t sensor = 0; sensor < n; ++sensor)
@@ -138,7 +138,7 @@ model::FeatureNormalisation normalisation_of(const study::Dataset& dataset, doub
   return result;
 }
 
-BatchMaker::BatchMaker(const study::Dataset& dataset, const Recipe& recipe,
+BatchMaker::BatchMaker(const dataset::Dataset& dataset, const Recipe& recipe,
                        const model::FeatureLayout& layout, const model::FeatureNormalisation& normalisation,
                        const std::optional<model::Skin>& skin, const std::vector<float>& mean_pose)
     : dataset_(dataset),
@@ -172,7 +172,7 @@ std::optional<model::SkinMap> BatchMaker::draw_skin(std::size_t sequence, Random
 
 void BatchMaker::encode_with(std::size_t sequence, std::size_t first, std::size_t count, const Loss& loss,
                              Random& random, std::span<float> out) const {
-  const study::Sequence& s = dataset_.sequences[sequence];
+  const dataset::Sequence& s = dataset_.sequences[sequence];
   const std::size_t n = layout_.sensors.size(), width = layout_.width();
   std::vector<float> values(7 * n);
   std::vector<std::uint8_t> present(2 * n);
@@ -266,7 +266,7 @@ void BatchMaker::append_window(std::size_t sequence, std::size_t first, const Lo
 
 WindowPlaces BatchMaker::window_places(WindowsOf whose) const {
   std::vector<std::size_t> frames;  // None of those who are not meant.
-  for (const study::Sequence& s : dataset_.sequences)
+  for (const dataset::Sequence& s : dataset_.sequences)
     frames.push_back(s.from_take == (whose == WindowsOf::takes) ? s.frames : 0);
   return {std::move(frames), recipe_.architecture.window};
 }

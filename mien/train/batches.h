@@ -7,9 +7,9 @@
 
 #include "mien/core/error.h"
 #include "mien/core/random.h"
+#include "mien/dataset/dataset.h"
 #include "mien/model/features.h"
 #include "mien/model/skin_map.h"
-#include "mien/study/dataset.h"
 #include "mien/train/recipe.h"
 #include "mien/train/takes_mix.h"
 #include "mien/train/window_places.h"
@@ -35,19 +35,19 @@ struct ValidationPart {
 
 /// Refuses a data set whose arrays do not fit each other or hold what is not finite. Errors: mismatch,
 /// out_of_range.
-[[nodiscard]] Result<void> check(const study::Dataset& dataset);
+[[nodiscard]] Result<void> check(const dataset::Dataset& dataset);
 
 /// SHA-256 over everything in the data set: equal hashes mean that scores can be compared.
-[[nodiscard]] std::string hash_of(const study::Dataset& dataset);
+[[nodiscard]] std::string hash_of(const dataset::Dataset& dataset);
 /// SHA-256 over what is from takes alone, of one data set after the other; not over people's numbers, which
 /// follow from how many performers there are.
-[[nodiscard]] std::string hash_of_takes(const study::Dataset& training, const study::Dataset& validation);
+[[nodiscard]] std::string hash_of_takes(const dataset::Dataset& training, const dataset::Dataset& validation);
 
 /// Refuses two sets of which somebody performs in both, or whose sensors differ. Errors: mismatch.
-[[nodiscard]] Result<void> check_apart(const study::Dataset& training, const study::Dataset& validation);
+[[nodiscard]] Result<void> check_apart(const dataset::Dataset& training, const dataset::Dataset& validation);
 
 /// Mean and scale of each value over the frames where it is there. Lab rotations count with their noise.
-[[nodiscard]] model::FeatureNormalisation normalisation_of(const study::Dataset& dataset,
+[[nodiscard]] model::FeatureNormalisation normalisation_of(const dataset::Dataset& dataset,
                                                            double lab_noise_rad,
                                                            const FrameWeights& weights = {});
 
@@ -61,14 +61,14 @@ class BatchMaker {
   /// Keeps references: the data set must stay.
   /// `skin` and `mean_pose`: what wearers' skins are brought to the standard's by, where the recipe wants
   /// known skins.
-  BatchMaker(const study::Dataset& dataset, const Recipe& recipe, const model::FeatureLayout& layout,
+  BatchMaker(const dataset::Dataset& dataset, const Recipe& recipe, const model::FeatureLayout& layout,
              const model::FeatureNormalisation& normalisation, const std::optional<model::Skin>& skin,
              const std::vector<float>& mean_pose);
 
   /// From now on batches are normalised by these.
   void use(const model::FeatureNormalisation& normalisation) { normalisation_ = normalisation; }
 
-  [[nodiscard]] const study::Dataset& dataset() const { return dataset_; }
+  [[nodiscard]] const dataset::Dataset& dataset() const { return dataset_; }
 
   /// `count` windows at random places, augmented: the recipe's share of them of takes, where there are both
   /// kinds. Thread-safe. Errors: none; needs at least one sequence as long as a window, see places().
@@ -113,7 +113,7 @@ class BatchMaker {
   void draw_stretches(Random& random, Loss& loss) const;
   void draw_held(Random& random, Loss& loss) const;
 
-  const study::Dataset& dataset_;
+  const dataset::Dataset& dataset_;
   const Recipe& recipe_;
   model::FeatureLayout layout_;
   model::FeatureNormalisation normalisation_;

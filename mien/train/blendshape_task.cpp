@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "mien/face/profile.h"
-#include "mien/study/confidence.h"
-#include "mien/study/imu/watched_person.h"
+#include "mien/synthetic/confidence.h"
+#include "mien/synthetic/imu/watched_person.h"
 #include "mien/train/assess.h"
 
 namespace mien::train {
@@ -17,9 +17,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::size_t frames_in(const study::Dataset& dataset) {
+std::size_t frames_in(const dataset::Dataset& dataset) {
   std::size_t sum = 0;
-  for (const study::Sequence& s : dataset.sequences) sum += s.frames;
+  for (const dataset::Sequence& s : dataset.sequences) sum += s.frames;
   return sum;
 }
 
@@ -43,23 +43,23 @@ Json written(const Assessment& assessment) {
 }
 
 /// Nothing where the data know no skin.
-std::optional<model::Skin> skin_of(const study::Dataset& training, const FrameWeights& weights) {
+std::optional<model::Skin> skin_of(const dataset::Dataset& training, const FrameWeights& weights) {
   if (training.standard_slopes.empty()) return std::nullopt;
   return model::Skin{.standard = training.standard_slopes,
                      .covariance = weight_covariance_of(training, weights),
                      .wearer = {}};
 }
 
-bool any_of_takes(const study::Dataset& dataset) {
-  return std::ranges::any_of(dataset.sequences, &study::Sequence::from_take);
+bool any_of_takes(const dataset::Dataset& dataset) {
+  return std::ranges::any_of(dataset.sequences, &dataset::Sequence::from_take);
 }
 
-bool any_of_performers(const study::Dataset& dataset) {
-  return !std::ranges::all_of(dataset.sequences, &study::Sequence::from_take);
+bool any_of_performers(const dataset::Dataset& dataset) {
+  return !std::ranges::all_of(dataset.sequences, &dataset::Sequence::from_take);
 }
 
 /// Whether every performer's skin is known; people's is not, and their takes are read as they are.
-bool knows_skins(const study::Dataset& data) {
+bool knows_skins(const dataset::Dataset& data) {
   return !any_of_performers(data) ||
          (data.standard_slopes.size() == 3 * data.sensors.size() * face::kShapeCount &&
           std::ranges::none_of(data.sequences,
@@ -67,7 +67,7 @@ bool knows_skins(const study::Dataset& data) {
 }
 
 /// What may be told of people: how many, how much, and a hash by which the same takes are known again.
-Json told_of_takes(const study::Dataset& training, const study::Dataset& validation, double share,
+Json told_of_takes(const dataset::Dataset& training, const dataset::Dataset& validation, double share,
                    bool one_person) {
   const TakesAmount trained = takes_in(training), held_out = takes_in(validation);
   return {{"share", share},
@@ -81,8 +81,8 @@ Json told_of_takes(const study::Dataset& training, const study::Dataset& validat
 
 }  // namespace
 
-Result<std::unique_ptr<BlendshapeTask>> BlendshapeTask::create(Recipe recipe, study::Dataset training,
-                                                               study::Dataset validation, std::string rig,
+Result<std::unique_ptr<BlendshapeTask>> BlendshapeTask::create(Recipe recipe, dataset::Dataset training,
+                                                               dataset::Dataset validation, std::string rig,
                                                                bool one_person) {
   MIEN_TRY(check(training));
   MIEN_TRY(check(validation));
@@ -117,7 +117,7 @@ Result<void> BlendshapeTask::check_places() const {
   return {};
 }
 
-BlendshapeTask::BlendshapeTask(Recipe recipe, study::Dataset training, study::Dataset validation,
+BlendshapeTask::BlendshapeTask(Recipe recipe, dataset::Dataset training, dataset::Dataset validation,
                                std::string rig, bool one_person)
     : recipe_(std::move(recipe)),
       training_(std::move(training)),
@@ -217,10 +217,10 @@ Result<std::string> BlendshapeTask::assess(std::span<const model::Tensor> networ
   model_.network.assign(network.begin(), network.end());
   MIEN_TRY_ASSIGN(const Assessment assessment,
                   train::assess(recipe_, training_batches_, validation_batches_, model_, progress));
-  MIEN_TRY_ASSIGN(model_.confidence,
-                  study::measure_confidence(study::watched_by(model_, validation_.sensors, "validation",
-                                                              study::watched(validation_)),
-                                            recipe_.seed, progress, 1));
+  MIEN_TRY_ASSIGN(model_.confidence, synthetic::measure_confidence(
+                                         synthetic::watched_by(model_, validation_.sensors, "validation",
+                                                               synthetic::watched(validation_)),
+                                         recipe_.seed, progress, 1));
   Json results = written(assessment);
   if (takes_share() > 0) results["takes"] = told_of_takes(training_, validation_, takes_share(), one_person_);
   return results.dump();

@@ -2,8 +2,8 @@
 
 #include <memory>
 
+#include "mien/dataset/dataset.h"
 #include "mien/model/model_file.h"
-#include "mien/study/dataset.h"
 #include "mien/train/task.h"
 
 namespace mien::train {
@@ -17,8 +17,9 @@ class BlendshapeTask final : public Task {
   /// `one_person`: those takes that train and those that validate are of the same one, and results say so.
   /// Errors: mismatch, out_of_range (data that do not fit, somebody in both sets, performers of unknown skin
   /// where the recipe wants known ones); bad_usage (no sequence as long as a window, nobody to validate on).
-  [[nodiscard]] static Result<std::unique_ptr<BlendshapeTask>> create(Recipe recipe, study::Dataset training,
-                                                                      study::Dataset validation,
+  [[nodiscard]] static Result<std::unique_ptr<BlendshapeTask>> create(Recipe recipe,
+                                                                      dataset::Dataset training,
+                                                                      dataset::Dataset validation,
                                                                       std::string rig,
                                                                       bool one_person = false);
 
@@ -41,14 +42,14 @@ class BlendshapeTask final : public Task {
                                    const std::string& results) const override;
 
  private:
-  BlendshapeTask(Recipe recipe, study::Dataset training, study::Dataset validation, std::string rig,
+  BlendshapeTask(Recipe recipe, dataset::Dataset training, dataset::Dataset validation, std::string rig,
                  bool one_person);
   [[nodiscard]] Result<void> check_places() const;
   [[nodiscard]] double takes_share() const { return recipe_.takes_share.value_or(0); }
 
   Recipe recipe_;
-  study::Dataset training_;
-  study::Dataset validation_;
+  dataset::Dataset training_;
+  dataset::Dataset validation_;
   bool one_person_ = false;
   FrameWeights frame_weights_;  ///< Of training.
   model::ModelFile model_;

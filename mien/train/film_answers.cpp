@@ -9,22 +9,23 @@ namespace mien::train {
 
 using headset::kAnswerOutputs;
 
-Result<FilmPlaces> film_places(const study::HeadsetFilms& films, const sensor::Rig& rig, std::size_t side) {
+Result<FilmPlaces> film_places(const synthetic::HeadsetFilms& films, const sensor::Rig& rig,
+                               std::size_t side) {
   for (const auto* part : {&films.train, &films.validation})
-    for (const study::HeadsetFilm& film : *part)
+    for (const synthetic::HeadsetFilm& film : *part)
       if (film.side() != side || film.views() != rig.sensors.size())
         return fail(ErrorCode::mismatch,
                     fmt::format("films have {} views of {} pixels, the network {} of {}", film.views(),
                                 film.side(), rig.sensors.size(), side),
                     "[data] side");
-  MIEN_TRY_ASSIGN(const std::vector<headset::HeadsetCamera> cameras, study::film_cameras(rig, side));
+  MIEN_TRY_ASSIGN(const std::vector<headset::HeadsetCamera> cameras, synthetic::film_cameras(rig, side));
   FilmPlaces places;
   for (const headset::HeadsetCamera& camera : cameras)
     places[camera.place] = {.camera = camera.sensor, .is_there = true, .view = camera.view};
   return places;
 }
 
-std::array<float, kAnswerOutputs> answer_of(const study::FilmTruth& truth) {
+std::array<float, kAnswerOutputs> answer_of(const synthetic::FilmTruth& truth) {
   constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
   headset::Answer answer{.weights = {},
                          .tongue_out = truth.tongue_out,

@@ -10,7 +10,7 @@
 #include "mien/headset/network_view.h"
 #include "mien/model/architecture.h"
 #include "mien/sensor/rig.h"
-#include "mien/study/headset/headset_dataset.h"
+#include "mien/synthetic/headset/headset_dataset.h"
 
 // What networks of a headset's pictures learn from films: which view stands where, and what is true.
 namespace mien::train {
@@ -28,11 +28,11 @@ using FilmPlaces = std::array<FilmPlace, model::kViews>;
 
 /// The places of the rig's cameras in films of views of `side` pixels. Errors: headset_cameras'; mismatch
 /// (films of another size or number of views).
-[[nodiscard]] Result<FilmPlaces> film_places(const study::HeadsetFilms& films, const sensor::Rig& rig,
+[[nodiscard]] Result<FilmPlaces> film_places(const synthetic::HeadsetFilms& films, const sensor::Rig& rig,
                                              std::size_t side);
 
 /// What a network should answer, in its outputs' range; NaN: gaze and pupil of an eye that is shut.
-[[nodiscard]] std::array<float, headset::kAnswerOutputs> answer_of(const study::FilmTruth& truth);
+[[nodiscard]] std::array<float, headset::kAnswerOutputs> answer_of(const synthetic::FilmTruth& truth);
 /// Where the eyes' directions stand.
 [[nodiscard]] std::vector<std::int64_t> gaze_outputs();
 /// answer_of() of the mirrored face.

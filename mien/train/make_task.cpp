@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "mien/core/files.h"
+#include "mien/dataset/training_takes.h"
 #include "mien/sensor/rig_part.h"
-#include "mien/study/eyewear/eyewear_dataset.h"
-#include "mien/study/headset/headset_dataset.h"
-#include "mien/study/imu/dataset_file.h"
-#include "mien/study/imu/dataset_part.h"
-#include "mien/study/imu/make_dataset.h"
-#include "mien/study/speech/speech_dataset.h"
-#include "mien/study/takes/training_takes.h"
+#include "mien/synthetic/eyewear/eyewear_dataset.h"
+#include "mien/synthetic/headset/headset_dataset.h"
+#include "mien/synthetic/imu/dataset_file.h"
+#include "mien/synthetic/imu/dataset_part.h"
+#include "mien/synthetic/imu/make_dataset.h"
+#include "mien/synthetic/speech/speech_dataset.h"
 #include "mien/train/blendshape_task.h"
 #include "mien/train/marker_task.h"
 #include "mien/train/memory_task.h"
@@ -38,15 +38,15 @@ std::string amount_text(const TakesAmount& amount) {
 
 /// What people's takes give a task.
 struct ReadTakes {
-  study::TrainingData data;
+  dataset::TrainingData data;
   bool one_person = false;
 };
 
 /// Reads the takes, and tells what of them is used.
 Result<ReadTakes> read_takes(std::uint64_t seed, std::size_t window, double share, const TaskSource& source,
                              const Progress& progress) {
-  MIEN_TRY_ASSIGN(study::TakesData takes,
-                  study::read_training_takes(source.takes, source.splits, source.rig, seed, progress));
+  MIEN_TRY_ASSIGN(dataset::TakesData takes,
+                  dataset::read_training_takes(source.takes, source.splits, source.rig, seed, progress));
   for (const std::string& sentence : takes.left_out) source.tell(sentence);
   const double counted_min = minutes_of(takes.data.train) + minutes_of(takes.data.validation);
   const bool alone = takes.training_people == takes.validation_people;
@@ -67,7 +67,7 @@ Result<ReadTakes> read_takes(std::uint64_t seed, std::size_t window, double shar
 
 /// Of performances that were made before, takes among them or not.
 MadeTask make_task_of_file(Recipe recipe, const TaskSource& source) {
-  MIEN_TRY_ASSIGN(study::TrainingData data, study::read_training_data(source.data));
+  MIEN_TRY_ASSIGN(dataset::TrainingData data, synthetic::read_training_data(source.data));
   const std::vector<std::string> sensors = source.rig.face_sensor_names();
   if (data.train.sensors != sensors)
     return fail(ErrorCode::mismatch,
@@ -79,22 +79,23 @@ MadeTask make_task_of_file(Recipe recipe, const TaskSource& source) {
 }
 
 MadeTask make_blendshape_task(Recipe recipe, const TaskSource& source, const Progress& progress) {
-  MIEN_TRY_ASSIGN(const study::DataRecipe data_recipe, study::parse_data_recipe(recipe.data, source.where));
+  MIEN_TRY_ASSIGN(const synthetic::DataRecipe data_recipe,
+                  synthetic::parse_data_recipe(recipe.data, source.where));
   if (!source.data.empty()) return make_task_of_file(std::move(recipe), source);
   MIEN_TRY_ASSIGN(const double share, takes_share(recipe, !source.takes.empty(), source.where));
   ReadTakes takes;
-  study::TrainingData data;
+  dataset::TrainingData data;
   if (share > 0) {
     recipe.takes_share = share;
     MIEN_TRY_ASSIGN(takes, read_takes(data_recipe.seed, recipe.architecture.window, share, source, progress));
   }
   if (share < 1) {
-    MIEN_TRY_ASSIGN(data, study::make_dataset(data_recipe, source.face, source.rig, progress));
+    MIEN_TRY_ASSIGN(data, synthetic::make_dataset(data_recipe, source.face, source.rig, progress));
   }
   if (share == 1) {
     data = std::move(takes.data);
   } else if (share > 0) {
-    MIEN_TRY_ASSIGN(data, put_together(std::move(data), std::move(takes.data)));
+    MIEN_TRY_ASSIGN(data, synthetic::put_together(std::move(data), std::move(takes.data)));
   }
   return BlendshapeTask::create(std::move(recipe), std::move(data.train), std::move(data.validation),
                                 source.rig_text, takes.one_person);
@@ -107,30 +108,31 @@ Result<void> expect_builtin(const TaskSource& source, std::string what) {
 
 MadeTask make_marker_task(Recipe recipe, const TaskSource& source, const Progress& progress) {
   MIEN_TRY(expect_builtin(source, "virtual wearers of glasses are of the built-in family"));
-  MIEN_TRY_ASSIGN(const study::EyewearDataRecipe data_recipe,
-                  study::parse_eyewear_data_recipe(recipe.data, source.where));
+  MIEN_TRY_ASSIGN(const synthetic::EyewearDataRecipe data_recipe,
+                  synthetic::parse_eyewear_data_recipe(recipe.data, source.where));
   MIEN_TRY_ASSIGN(const std::filesystem::path markers_path, find_resource("rigs/markers.toml"));
   MIEN_TRY_ASSIGN(const builtin_face::MarkerSet markers, builtin_face::read_markers(markers_path));
-  MIEN_TRY_ASSIGN(study::EyewearData data,
-                  study::make_eyewear_dataset(data_recipe, source.rig, markers, progress));
+  MIEN_TRY_ASSIGN(synthetic::EyewearData data,
+                  synthetic::make_eyewear_dataset(data_recipe, source.rig, markers, progress));
   return MarkerTask::create(std::move(recipe), std::move(data.train), std::move(data.validation),
                             source.rig_text);
 }
 
 MadeTask make_speech_task(Recipe recipe, const TaskSource& source, const Progress& progress) {
   MIEN_TRY(expect_builtin(source, "who speaks has no face"));
-  MIEN_TRY_ASSIGN(const study::SpeechDataRecipe data_recipe,
-                  study::parse_speech_data_recipe(recipe.data, source.where));
-  MIEN_TRY_ASSIGN(study::SpeechData data, study::make_speech_dataset(data_recipe, source.speaker, progress));
+  MIEN_TRY_ASSIGN(const synthetic::SpeechDataRecipe data_recipe,
+                  synthetic::parse_speech_data_recipe(recipe.data, source.where));
+  MIEN_TRY_ASSIGN(synthetic::SpeechData data,
+                  synthetic::make_speech_dataset(data_recipe, source.speaker, progress));
   return SpeechTask::create(std::move(recipe), std::move(data.train), std::move(data.validation));
 }
 
 MadeTask make_headset_task(Recipe recipe, const TaskSource& source, const Progress& progress) {
   MIEN_TRY(expect_builtin(source, "virtual wearers of headsets are of the built-in family"));
-  MIEN_TRY_ASSIGN(const study::HeadsetDataRecipe data_recipe,
-                  study::parse_headset_data_recipe(recipe.data, source.where));
-  MIEN_TRY_ASSIGN(study::HeadsetFilms films,
-                  study::make_headset_films(data_recipe, source.rig, source.films, progress));
+  MIEN_TRY_ASSIGN(const synthetic::HeadsetDataRecipe data_recipe,
+                  synthetic::parse_headset_data_recipe(recipe.data, source.where));
+  MIEN_TRY_ASSIGN(synthetic::HeadsetFilms films,
+                  synthetic::make_headset_films(data_recipe, source.rig, source.films, progress));
   if (recipe.architecture.kind == model::NetworkKind::views)
     return ViewsTask::create(std::move(recipe), std::move(films), source.rig, source.rig_text);
   if (source.views.empty())

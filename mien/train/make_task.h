@@ -7,8 +7,8 @@
 
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
+#include "mien/performer/speaker.h"
 #include "mien/sensor/rig.h"
-#include "mien/study/speech/speaker.h"
 #include "mien/train/recipe.h"
 #include "mien/train/task.h"
 
@@ -17,18 +17,18 @@ namespace mien::train {
 /// Whose data a task is made of.
 struct TaskSource {
   std::string where;            ///< Names the recipe in messages.
-  std::string face;             ///< study::make_dataset's.
+  std::string face;             ///< synthetic::make_dataset's.
   sensor::Rig rig;              ///< Whose sensors learn.
   std::string rig_text;         ///< Its file, which goes into the model.
-  study::Speaker speaker;       ///< Who speaks for microphones.
+  performer::Speaker speaker;   ///< Who speaks for microphones.
   std::filesystem::path films;  ///< A folder for films of headset cameras: kept, and gone on with.
   std::filesystem::path views;  ///< A network of pictures, for a memory to learn from what it finds.
   /// A folder of people's takes, for IMUs to learn from as the recipe's [takes] says; empty: virtual
   /// performers alone.
   std::filesystem::path takes;
   std::filesystem::path splits;  ///< Who of them is trained and who validated on; empty: drawn.
-  /// A file of performances that were made before (study::read_training_data), for IMUs to learn from instead
-  /// of what [data] says; empty: they are made.
+  /// A file of performances that were made before (synthetic::read_training_data), for IMUs to learn from
+  /// instead of what [data] says; empty: they are made.
   std::filesystem::path data;
   /// Told of the takes before training begins, a line each: what is left out and why, how much is trained on.
   std::function<void(const std::string& line)> tell = [](const std::string&) {};

@@ -16,8 +16,8 @@
 namespace mien::train {
 namespace {
 
-using study::LightDataset;
-using study::LightSequence;
+using synthetic::LightDataset;
+using synthetic::LightSequence;
 
 constexpr double kRidgePenalty = 1e-3;
 

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "mien/eyewear/marker_network.h"
-#include "mien/study/eyewear/eyewear_dataset.h"
+#include "mien/synthetic/eyewear/eyewear_dataset.h"
 #include "mien/train/task.h"
 
 namespace mien::train {
@@ -16,8 +16,9 @@ class MarkerTask final : public Task {
 
   /// `rig`: text of the rig file, to be kept in the model. Errors: bad_usage (not a causal network; no
   /// sequence as long as a window), mismatch (arrays that do not fit), out_of_range.
-  [[nodiscard]] static Result<std::unique_ptr<MarkerTask>> create(Recipe recipe, study::LightDataset training,
-                                                                  study::LightDataset validation,
+  [[nodiscard]] static Result<std::unique_ptr<MarkerTask>> create(Recipe recipe,
+                                                                  synthetic::LightDataset training,
+                                                                  synthetic::LightDataset validation,
                                                                   std::string rig);
 
   [[nodiscard]] const Recipe& recipe() const override { return recipe_; }
@@ -37,13 +38,14 @@ class MarkerTask final : public Task {
                                    const std::string& results) const override;
 
  private:
-  MarkerTask(Recipe recipe, study::LightDataset training, study::LightDataset validation, std::string rig);
-  void append_window(const study::LightSequence& sequence, std::size_t first,
+  MarkerTask(Recipe recipe, synthetic::LightDataset training, synthetic::LightDataset validation,
+             std::string rig);
+  void append_window(const synthetic::LightSequence& sequence, std::size_t first,
                      const std::vector<std::uint8_t>& lost, Batch& batch) const;
 
   Recipe recipe_;
-  study::LightDataset training_;
-  study::LightDataset validation_;
+  synthetic::LightDataset training_;
+  synthetic::LightDataset validation_;
   eyewear::MarkerNetworkFile model_;
 };
 

@@ -18,13 +18,13 @@
 #include "mien/headset/mirrored_eye.h"
 #include "mien/model/causal_network.h"
 #include "mien/model/views_network.h"
-#include "mien/study/logistic_fit.h"
-#include "mien/study/performers.h"
-#include "mien/study/reliability.h"
+#include "mien/solve/reliability.h"
+#include "mien/synthetic/logistic_fit.h"
 #include "mien/train/film_answers.h"
 #include "mien/train/view_augmentation.h"
 #include "mien/train/view_obstacle.h"
 #include "mien/virtual/headset/watched_parts.h"
+#include "mien/virtual/performers.h"
 
 namespace mien::train {
 namespace {
@@ -86,7 +86,7 @@ struct Found {
   std::vector<float> features, wanted;
   std::vector<std::array<bool, 2>> visible;
 };
-Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& donning,
+Found find(const synthetic::HeadsetFilm& film, const synthetic::HeadsetFilm::Donning& donning,
            const FilmPlaces& places, const Way& way, const model::ViewsNetwork& network,
            model::ViewsNetwork::Workspace& memory, Random& random) {
   const std::size_t count = network.architecture().features, pixels = film.side() * film.side();
@@ -97,7 +97,7 @@ Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& do
   for (std::size_t frame = donning.begin; frame < donning.end; ++frame) {
     std::array<bool, kViews> present{};
     virt::SeenHalves halves;
-    const study::FilmTruth truth = film.truth(frame);
+    const synthetic::FilmTruth truth = film.truth(frame);
     for (std::size_t v = 0; v < kViews; ++v) {
       const FilmPlace& place = places[way.mirrored ? v ^ 1U : v];
       if (!place.is_there) continue;
@@ -162,7 +162,7 @@ std::size_t MemoryTask::ticks_of(const Sequence& sequence) const {
          1;
 }
 
-Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const study::HeadsetFilms& films,
+Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const synthetic::HeadsetFilms& films,
                                                        headset::ViewsFile views, const sensor::Rig& rig,
                                                        const Progress& progress) {
   if (recipe.architecture.kind != model::NetworkKind::causal)
@@ -197,13 +197,13 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
   const Random root = Random(task->recipe_.seed).fork("ways");
   const std::size_t all = films.train.size() + films.validation.size();
   std::vector<std::vector<Sequence>> found(all);
-  MIEN_TRY(study::for_each_performer(all, 0, progress, [&](std::size_t index) -> Result<void> {
+  MIEN_TRY(virt::for_each_performer(all, 0, progress, [&](std::size_t index) -> Result<void> {
     const bool trains = index < films.train.size();
     const std::size_t number = trains ? index : index - films.train.size();
-    const study::HeadsetFilm& film = trains ? films.train[number] : films.validation[number];
+    const synthetic::HeadsetFilm& film = trains ? films.train[number] : films.validation[number];
     model::ViewsNetwork::Workspace memory(network);
     for (std::size_t way = 0; way < (trains ? kWays : 1); ++way)
-      for (const study::HeadsetFilm::Donning& donning : film.donnings()) {
+      for (const synthetic::HeadsetFilm::Donning& donning : film.donnings()) {
         if (donning.end - donning.begin < 2) continue;
         Random random = root.fork("film", index).fork("way", way).fork("donning", donning.begin);
         const Way shown =
@@ -485,7 +485,7 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
   if (auto fitted = headset::fit_mirrored_eye(eyes_at_rest(training_, false, features),
                                               eyes_at_rest(training_, true, features)))
     made.mirrored_eye = *std::move(fitted);
-  study::RocArea mirrored;
+  solve::RocArea mirrored;
   std::array<double, 2> eyes{}, said{};  // Of eyes as they are and mirrored; of those that are said to be.
   for (const bool is : {false, true})
     for (const std::vector<float>& eye : eyes_at_rest(validation_, is, features)) {
@@ -495,7 +495,7 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
       said[is ? 1 : 0] += log_odds > headset::kSurelyMirrored ? 1 : 0;
     }
   // The model's by all wearers; each half is judged by what the other half alone would have made.
-  std::array<std::array<study::LogisticFit, headset::kJudgements>, 2> halves;
+  std::array<std::array<synthetic::LogisticFit, headset::kJudgements>, 2> halves;
   for (const Judged& one : judged) halves[one.half][one.judgement].add(one.logit, one.hit, one.counts);
   // Where all wearers are of one half nothing judges them.
   const bool apart = halves[0][0].frames() > 0 && halves[1][0].frames() > 0;
@@ -505,8 +505,8 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
     halves[0][j].add(halves[1][j]);
     made.judgements[j] = halves[0][j].solve();
   }
-  std::array<study::Reliability, headset::kJudgements> reliability;
-  std::array<study::RocArea, headset::kJudgements> roc;
+  std::array<solve::Reliability, headset::kJudgements> reliability;
+  std::array<solve::RocArea, headset::kJudgements> roc;
   for (const Judged& one : judged) {
     const float p = others[one.half][one.judgement].at(one.logit);
     reliability[one.judgement].add(p, one.hit, one.counts);

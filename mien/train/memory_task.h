@@ -8,7 +8,7 @@
 #include "mien/headset/moment_features.h"
 #include "mien/headset/views_file.h"
 #include "mien/sensor/rig.h"
-#include "mien/study/headset/headset_dataset.h"
+#include "mien/synthetic/headset/headset_dataset.h"
 #include "mien/train/task.h"
 
 namespace mien::train {
@@ -21,7 +21,7 @@ class MemoryTask final : public Task {
   /// `views`: what finds. Errors: bad_usage (not a causal network; no donning as long as a window), mismatch
   /// (films of another size or number of views), cancelled.
   [[nodiscard]] static Result<std::unique_ptr<MemoryTask>> create(Recipe recipe,
-                                                                  const study::HeadsetFilms& films,
+                                                                  const synthetic::HeadsetFilms& films,
                                                                   headset::ViewsFile views,
                                                                   const sensor::Rig& rig,
                                                                   const Progress& progress);

@@ -10,7 +10,7 @@
 
 #include "mien/core/sha256.h"
 #include "mien/core/units.h"
-#include "mien/study/confidence_fit.h"
+#include "mien/synthetic/confidence_fit.h"
 #include "mien/train/mel_augmentation.h"
 
 namespace mien::train {
@@ -18,14 +18,14 @@ namespace {
 
 using speech::kConditionOfBlock;
 using speech::kMelBands;
-using study::SpeechDataset;
-using study::SpeechSequence;
+using synthetic::SpeechDataset;
+using synthetic::SpeechSequence;
 
 /// Share of the windows that are of no speech.
 constexpr double kOthersShare = 1.0 / 6;
 
 Result<void> check(const SpeechDataset& dataset) {
-  const std::size_t shapes = study::speech_shapes().size();
+  const std::size_t shapes = synthetic::speech_shapes().size();
   for (const SpeechSequence& s : dataset.sequences) {
     if (s.mel.size() != s.blocks * kConditionOfBlock || s.mouth.size() != s.blocks * shapes ||
         s.closure.size() != s.blocks || s.voiced.size() != s.blocks)
@@ -41,7 +41,7 @@ Result<void> check(const SpeechDataset& dataset) {
 std::string hash_of(const SpeechDataset& dataset) {
   Sha256 hash;
   hash.add_value(static_cast<std::uint64_t>(dataset.look_ahead));
-  for (const std::string& name : study::speech_shapes()) hash.add(std::as_bytes(std::span(name)));
+  for (const std::string& name : synthetic::speech_shapes()) hash.add(std::as_bytes(std::span(name)));
   for (const SpeechSequence& s : dataset.sequences) {
     hash.add(std::as_bytes(std::span(s.voice)));
     hash.add_value(static_cast<std::uint64_t>(s.blocks));
@@ -88,7 +88,7 @@ Result<std::unique_ptr<SpeechTask>> SpeechTask::create(Recipe recipe, SpeechData
   if (training.look_ahead != validation.look_ahead)
     return fail(ErrorCode::mismatch, "training and validation look ahead by different blocks", "data set");
   recipe.architecture.condition = kConditionOfBlock;
-  recipe.architecture.outputs = study::speech_shapes().size() + 2;
+  recipe.architecture.outputs = synthetic::speech_shapes().size() + 2;
   MIEN_TRY(model::check(recipe.architecture));
   for (const SpeechDataset* data : {&training, &validation})
     if (!speaks_for(*data, recipe.architecture.window))
@@ -104,7 +104,7 @@ SpeechTask::SpeechTask(Recipe recipe, SpeechDataset training, SpeechDataset vali
     if (training_.sequences[i].blocks >= recipe_.architecture.window)
       (training_.sequences[i].speech ? spoken_ : others_).push_back(i);
   model_.architecture = recipe_.architecture;
-  model_.shapes = study::speech_shapes();
+  model_.shapes = synthetic::speech_shapes();
   model_.look_ahead = training_.look_ahead;
   model_.recipe = recipe_.text;
   normalise_by(training_);
@@ -227,8 +227,8 @@ Result<std::string> SpeechTask::assess(std::span<const model::Tensor> network, c
   const std::size_t jaw = face::shape("jawOpen");
   const auto jaw_at =
       static_cast<std::size_t>(std::ranges::find(model_.shapes, "jawOpen") - model_.shapes.begin());
-  study::ClosureScore closures;
-  study::Correlation jaws;
+  synthetic::ClosureScore closures;
+  synthetic::Correlation jaws;
   double other_blocks = 0, talking = 0;
   for (std::size_t i = 0; i < validation_.sequences.size(); ++i) {
     if (!progress(static_cast<double>(i) / static_cast<double>(validation_.sequences.size()), "measuring"))
@@ -251,8 +251,8 @@ Result<std::string> SpeechTask::assess(std::span<const model::Tensor> network, c
       }
     }
     if (s.speech)
-      closures.add(study::score_closures(study::stretches_above(s.closure, kClosed, 0, block_s),
-                                         study::stretches_above(closed, kClosed, 0, block_s)));
+      closures.add(synthetic::score_closures(synthetic::stretches_above(s.closure, kClosed, 0, block_s),
+                                             synthetic::stretches_above(closed, kClosed, 0, block_s)));
   }
   return nlohmann::json{{"speech",
                          {{"closure_recall", closures.recall()},

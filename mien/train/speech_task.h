@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "mien/speech/speech_network.h"
-#include "mien/study/speech/closure_score.h"
-#include "mien/study/speech/speech_dataset.h"
+#include "mien/synthetic/speech/closure_score.h"
+#include "mien/synthetic/speech/speech_dataset.h"
 #include "mien/train/task.h"
 
 namespace mien::train {
@@ -16,8 +16,8 @@ class SpeechTask final : public Task {
   /// Errors: bad_usage (not a causal network; no sequence as long as a window), mismatch (arrays that do not
   /// fit; a voice in both sets), out_of_range.
   [[nodiscard]] static Result<std::unique_ptr<SpeechTask>> create(Recipe recipe,
-                                                                  study::SpeechDataset training,
-                                                                  study::SpeechDataset validation);
+                                                                  synthetic::SpeechDataset training,
+                                                                  synthetic::SpeechDataset validation);
 
   [[nodiscard]] const Recipe& recipe() const override { return recipe_; }
   [[nodiscard]] Batch random_batch(std::size_t count, Random random) const override;
@@ -37,17 +37,18 @@ class SpeechTask final : public Task {
                                    const std::string& results) const override;
 
  private:
-  SpeechTask(Recipe recipe, study::SpeechDataset training, study::SpeechDataset validation);
-  void normalise_by(const study::SpeechDataset& dataset);
+  SpeechTask(Recipe recipe, synthetic::SpeechDataset training, synthetic::SpeechDataset validation);
+  void normalise_by(const synthetic::SpeechDataset& dataset);
   /// What is about in a window: of the training's sounds, or of what one of its voices says.
   [[nodiscard]] std::vector<float> draw_other(Random& random) const;
-  void append_window(const study::SpeechSequence& sequence, std::size_t first, std::span<float> frames,
+  void append_window(const synthetic::SpeechSequence& sequence, std::size_t first, std::span<float> frames,
                      Batch& batch) const;
-  [[nodiscard]] std::vector<float> frames_of(const study::SpeechSequence& sequence, std::size_t first) const;
+  [[nodiscard]] std::vector<float> frames_of(const synthetic::SpeechSequence& sequence,
+                                             std::size_t first) const;
 
   Recipe recipe_;
-  study::SpeechDataset training_;
-  study::SpeechDataset validation_;
+  synthetic::SpeechDataset training_;
+  synthetic::SpeechDataset validation_;
   std::vector<std::size_t> spoken_, others_;  // Of the training's sequences.
   speech::SpeechNetworkFile model_;
 };

@@ -30,10 +30,10 @@ Result<double> takes_share(const Recipe& recipe, bool takes_given, const std::st
   return share;
 }
 
-Result<study::TrainingData> as_takes(study::TrainingData takes, std::size_t window) {
-  for (study::Dataset* part : {&takes.train, &takes.validation}) {
-    std::erase_if(part->sequences, [&](const study::Sequence& s) { return s.frames < window; });
-    for (study::Sequence& s : part->sequences) s.from_take = true;
+Result<dataset::TrainingData> as_takes(dataset::TrainingData takes, std::size_t window) {
+  for (dataset::Dataset* part : {&takes.train, &takes.validation}) {
+    std::erase_if(part->sequences, [&](const dataset::Sequence& s) { return s.frames < window; });
+    for (dataset::Sequence& s : part->sequences) s.from_take = true;
   }
   if (takes.train.sequences.empty())
     return fail(ErrorCode::bad_usage,
@@ -43,16 +43,16 @@ Result<study::TrainingData> as_takes(study::TrainingData takes, std::size_t wind
   return takes;
 }
 
-double minutes_of(const study::Dataset& dataset) {
+double minutes_of(const dataset::Dataset& dataset) {
   double frames = 0;
-  for (const study::Sequence& s : dataset.sequences) frames += static_cast<double>(s.frames);
+  for (const dataset::Sequence& s : dataset.sequences) frames += static_cast<double>(s.frames);
   return frames / kFramesAMinute;
 }
 
-TakesAmount takes_in(const study::Dataset& dataset) {
+TakesAmount takes_in(const dataset::Dataset& dataset) {
   TakesAmount amount;
   std::set<std::uint32_t> people;
-  for (const study::Sequence& s : dataset.sequences) {
+  for (const dataset::Sequence& s : dataset.sequences) {
     if (!s.from_take) continue;
     people.insert(s.performer);
     amount.minutes += static_cast<double>(s.frames) / kFramesAMinute;
@@ -61,9 +61,9 @@ TakesAmount takes_in(const study::Dataset& dataset) {
   return amount;
 }
 
-FrameWeights as_drawn(const study::Dataset& dataset, double share) {
+FrameWeights as_drawn(const dataset::Dataset& dataset, double share) {
   double performed = 0, taken = 0;
-  for (const study::Sequence& s : dataset.sequences)
+  for (const dataset::Sequence& s : dataset.sequences)
     (s.from_take ? taken : performed) += static_cast<double>(s.frames);
   if (performed == 0 || taken == 0) return {};
   if (share == 1) return {.performed = 0, .taken = 1};

@@ -34,7 +34,7 @@ constexpr double kNotTold = 1.0 / 6;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// What the network should answer; what cannot be seen is unknown.
-std::array<float, kAnswerOutputs> wanted_of(const study::FilmTruth& truth) {
+std::array<float, kAnswerOutputs> wanted_of(const synthetic::FilmTruth& truth) {
   std::array<float, kAnswerOutputs> wanted = answer_of(truth);
   for (std::size_t i = 0; i < kAnswerOutputs; ++i)
     if (truth.visible[headset::half_of_face(headset::judgement_of(i))] == 0) wanted[i] = kUnknown;
@@ -78,15 +78,15 @@ struct Squares {
   [[nodiscard]] double mean() const { return sum / std::max(1.0, count); }
 };
 
-std::size_t frames_of(const std::vector<study::HeadsetFilm>& films) {
+std::size_t frames_of(const std::vector<synthetic::HeadsetFilm>& films) {
   std::size_t sum = 0;
-  for (const study::HeadsetFilm& film : films) sum += film.frames();
+  for (const synthetic::HeadsetFilm& film : films) sum += film.frames();
   return sum;
 }
 
-std::string hash_of(const std::vector<study::HeadsetFilm>& films) {
+std::string hash_of(const std::vector<synthetic::HeadsetFilm>& films) {
   Sha256 hash;
-  for (const study::HeadsetFilm& film : films) {
+  for (const synthetic::HeadsetFilm& film : films) {
     hash.add(std::as_bytes(std::span(film.hash())));
     hash.add_value(static_cast<std::uint64_t>(film.frames()));
   }
@@ -95,7 +95,7 @@ std::string hash_of(const std::vector<study::HeadsetFilm>& films) {
 
 }  // namespace
 
-Result<std::unique_ptr<ViewsTask>> ViewsTask::create(Recipe recipe, study::HeadsetFilms films,
+Result<std::unique_ptr<ViewsTask>> ViewsTask::create(Recipe recipe, synthetic::HeadsetFilms films,
                                                      const sensor::Rig& rig, std::string rig_text) {
   if (recipe.architecture.kind != model::NetworkKind::views)
     return fail(ErrorCode::bad_usage, "a headset's network is one of pictures", "[network] architecture",
@@ -107,8 +107,8 @@ Result<std::unique_ptr<ViewsTask>> ViewsTask::create(Recipe recipe, study::Heads
   auto task = std::unique_ptr<ViewsTask>(new ViewsTask(std::move(recipe), std::move(films)));
   task->places_ = places;
   for (const bool training : {true, false})
-    for (const study::HeadsetFilm& film : training ? task->films_.train : task->films_.validation)
-      for (const study::HeadsetFilm::Donning& frames : film.donnings())
+    for (const synthetic::HeadsetFilm& film : training ? task->films_.train : task->films_.validation)
+      for (const synthetic::HeadsetFilm::Donning& frames : film.donnings())
         (training ? task->training_ : task->validation_).push_back({&film, frames});
   if (task->training_.empty() || task->validation_.empty())
     return fail(ErrorCode::bad_usage, "there are no films to learn from", "[data] wearers");
@@ -121,7 +121,7 @@ Result<std::unique_ptr<ViewsTask>> ViewsTask::create(Recipe recipe, study::Heads
 
 void ViewsTask::find_mean() {
   std::array<double, kAnswerOutputs> sum{}, count{};
-  for (const study::HeadsetFilm& film : films_.train)
+  for (const synthetic::HeadsetFilm& film : films_.train)
     for (std::size_t frame = 0; frame < film.frames(); ++frame) {
       const auto wanted = wanted_of(film.truth(frame));
       for (std::size_t i = 0; i < kAnswerOutputs; ++i)
@@ -135,7 +135,7 @@ void ViewsTask::find_mean() {
     model_.mean_answer.push_back(static_cast<float>(sum[i] / std::max(1.0, count[i])));
 }
 
-void ViewsTask::append(const study::HeadsetFilm& film, std::span<const std::size_t> frames, bool known,
+void ViewsTask::append(const synthetic::HeadsetFilm& film, std::span<const std::size_t> frames, bool known,
                        Random* augment, Batch& batch) const {
   const auto side = static_cast<int>(recipe_.architecture.side);
   const std::size_t pixels = film.side() * film.side(), each = model::views_condition(film.side());
@@ -241,7 +241,7 @@ Eigen::MatrixXd ViewsTask::fit_ridge() const {
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(kIn, kOut);
   const std::size_t step = frames_of(films_.train) / kRidgeMoments + 1, side = recipe_.architecture.side;
   std::size_t number = 0;
-  for (const study::HeadsetFilm& film : films_.train)
+  for (const synthetic::HeadsetFilm& film : films_.train)
     for (std::size_t frame = 0; frame < film.frames(); ++frame) {
       if (number++ % step != 0) continue;
       Batch batch;
@@ -306,7 +306,7 @@ Result<std::string> ViewsTask::assess(std::span<const model::Tensor> network, co
         of_ridge.add(by_ridge[static_cast<Eigen::Index>(k)], batch.clean[k]);
       }
       const headset::Answer seen = headset::decode_answer(answer);
-      const study::FilmTruth truth = film->truth(frame);
+      const synthetic::FilmTruth truth = film->truth(frame);
       for (std::size_t e = 0; e < 2; ++e) {
         if (truth.visible[0] == 0) continue;
         if (truth.openness[e] >= kShutEye)

@@ -8,7 +8,7 @@
 #include "mien/headset/network_view.h"
 #include "mien/headset/views_file.h"
 #include "mien/sensor/rig.h"
-#include "mien/study/headset/headset_dataset.h"
+#include "mien/synthetic/headset/headset_dataset.h"
 #include "mien/train/film_answers.h"
 #include "mien/train/task.h"
 
@@ -19,7 +19,7 @@ class ViewsTask final : public Task {
  public:
   /// `rig`: whose cameras the films are of. Errors: bad_usage (not a network of pictures), mismatch (films of
   /// another size or number of views).
-  [[nodiscard]] static Result<std::unique_ptr<ViewsTask>> create(Recipe recipe, study::HeadsetFilms films,
+  [[nodiscard]] static Result<std::unique_ptr<ViewsTask>> create(Recipe recipe, synthetic::HeadsetFilms films,
                                                                  const sensor::Rig& rig,
                                                                  std::string rig_text);
 
@@ -44,20 +44,20 @@ class ViewsTask final : public Task {
 
  private:
   struct Donning {
-    const study::HeadsetFilm* film;
-    study::HeadsetFilm::Donning frames;
+    const synthetic::HeadsetFilm* film;
+    synthetic::HeadsetFilm::Donning frames;
   };
-  ViewsTask(Recipe recipe, study::HeadsetFilms films)
+  ViewsTask(Recipe recipe, synthetic::HeadsetFilms films)
       : recipe_(std::move(recipe)), films_(std::move(films)) {}
   void find_mean();
   /// From ridge_inputs() to the outputs: inputs x outputs.
   [[nodiscard]] Eigen::MatrixXd fit_ridge() const;
   /// Appends a window: of these frames, the first at rest where `known`; `augment` may be null.
-  void append(const study::HeadsetFilm& film, std::span<const std::size_t> frames, bool known,
+  void append(const synthetic::HeadsetFilm& film, std::span<const std::size_t> frames, bool known,
               Random* augment, Batch& batch) const;
 
   Recipe recipe_;
-  study::HeadsetFilms films_;
+  synthetic::HeadsetFilms films_;
   FilmPlaces places_{};
   std::vector<Donning> training_, validation_;
   headset::ViewsFile model_;

@@ -1,9 +1,9 @@
-#include "mien/study/media/festival_speech.h"
+#include "mien/media/festival_speech.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "mien/study/media/phone_names.h"
+#include "mien/media/phone_names.h"
 
 namespace mien::media::festival_speech_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "mien/study/media/sound_reader.h"
+#include "mien/media/sound_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ extern "C" {
 
 #include "mien/core/files.h"
 #include "mien/core/wav.h"
-#include "mien/study/media/video_writer.h"
+#include "mien/media/video_writer.h"
 #include "tests/folder.h"
 
 namespace mien::media::sound_reader_test {

@@ -1,4 +1,4 @@
-#include "mien/study/media/speech_synthesis.h"
+#include "mien/media/speech_synthesis.h"
 
 #include <gtest/gtest.h>
 

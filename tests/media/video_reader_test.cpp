@@ -1,4 +1,4 @@
-#include "mien/study/media/video_reader.h"
+#include "mien/media/video_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mien/core/files.h"
-#include "mien/study/media/video_writer.h"
+#include "mien/media/video_writer.h"
 #include "tests/folder.h"
 
 namespace mien::media::video_reader_test {

@@ -1,4 +1,4 @@
-#include "mien/study/media/video_writer.h"
+#include "mien/media/video_writer.h"
 
 #include <gtest/gtest.h>
 

@@ -20,7 +20,7 @@ class Batches : public testing::Test {
   void lose_nothing() { recipe_.sensor_loss = recipe_.many_lost = recipe_.acceleration_loss = 0; }
 
   Recipe recipe_ = *parse_recipe(toy_recipe(1), "test");
-  study::Dataset dataset_ = toy_data(0, 3);
+  dataset::Dataset dataset_ = toy_data(0, 3);
   model::FeatureLayout layout_;
   model::FeatureNormalisation normalisation_;
   std::optional<model::Skin> skin_;
@@ -56,7 +56,7 @@ TEST_F(Batches, NormalisedValuesHaveMeanZeroAndSpreadOne) {
 
 TEST_F(Batches, LabRotationsGetFreshNoiseOfTheGivenSize) {
   lose_nothing();
-  for (study::Sequence& s : dataset_.sequences) {
+  for (dataset::Sequence& s : dataset_.sequences) {
     s.lab = true;
     for (std::size_t i = 0; i < s.values.size(); ++i) s.values[i] = i % 7 == 3 ? 1.0F : 0.0F;  // Neutral.
   }
@@ -87,14 +87,14 @@ TEST_F(Batches, DeviceRotationsAreLeftAlone) {
 TEST_F(Batches, HeadingsDriftOfDevicesAloneAndStayThroughTheWindow) {
   lose_nothing();
   recipe_.lab_noise_rad = 0;
-  for (study::Sequence& s : dataset_.sequences)
+  for (dataset::Sequence& s : dataset_.sequences)
     for (std::size_t i = 0; i < s.values.size(); ++i) s.values[i] = i % 7 == 3 ? 1.0F : 0.0F;  // Neutral.
   normalisation_ = {.mean = std::vector<float>(14, 0.0F), .scale = std::vector<float>(14, 1.0F)};
   recipe_.heading_drift = 1;
   recipe_.heading_drift_rad = 0.2;
   const std::size_t width = layout_.width(), window = recipe_.architecture.window;
   for (const bool lab : {false, true}) {
-    for (study::Sequence& s : dataset_.sequences) s.lab = lab;
+    for (dataset::Sequence& s : dataset_.sequences) s.lab = lab;
     const Batch batch = maker().random_batch(400, Random(1));
     double squares = 0;
     for (std::size_t w = 0; w < batch.windows; ++w)
@@ -219,7 +219,7 @@ TEST_F(Batches, AKnownSkinIsReadAsTheStandardOne) {
   const std::size_t slopes = 3 * dataset_.sensors.size() * face::kShapeCount;
   dataset_.standard_slopes.assign(slopes, 0.0F);
   dataset_.standard_slopes[face::shape("jawOpen")] = 0.1F;
-  for (study::Sequence& s : dataset_.sequences) {
+  for (dataset::Sequence& s : dataset_.sequences) {
     s.lab = false;
     s.slopes.assign(slopes, 0.0F);
     s.slopes[face::shape("jawOpen")] = 0.2F;

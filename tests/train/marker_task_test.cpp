@@ -13,10 +13,10 @@ namespace mien::train::marker_task_test {
 namespace {
 
 /// Two sensors and one marker that goes where they say.
-study::LightDataset toy_light(std::uint32_t first, std::size_t wearers, std::size_t frames = 200) {
-  study::LightDataset data{.sensors = {"s0", "s1"}, .markers = {"chin"}, .sequences = {}};
+synthetic::LightDataset toy_light(std::uint32_t first, std::size_t wearers, std::size_t frames = 200) {
+  synthetic::LightDataset data{.sensors = {"s0", "s1"}, .markers = {"chin"}, .sequences = {}};
   for (std::size_t w = 0; w < wearers; ++w) {
-    study::LightSequence& s = data.sequences.emplace_back();
+    synthetic::LightSequence& s = data.sequences.emplace_back();
     s.wearer = first + static_cast<std::uint32_t>(w);
     s.frames = frames;
     for (std::size_t f = 0; f < frames; ++f) {
@@ -64,10 +64,10 @@ TEST(MarkerTask, RefusesWhatCannotBeTrained) {
       MarkerTask::create(*parse_recipe(toy_recipe(10), "test"), toy_light(0, 1), toy_light(1, 1), ""))
       << "a network that waits for a window";
   EXPECT_FALSE(MarkerTask::create(recipe, toy_light(0, 2), toy_light(1, 1), "")) << "the same people";
-  study::LightDataset sick = toy_light(0, 1);
+  synthetic::LightDataset sick = toy_light(0, 1);
   sick.sequences[0].values[3] = std::nanf("");
   EXPECT_FALSE(MarkerTask::create(recipe, sick, toy_light(1, 1), ""));
-  study::LightDataset cut = toy_light(0, 1);
+  synthetic::LightDataset cut = toy_light(0, 1);
   cut.sequences[0].present.pop_back();
   EXPECT_FALSE(MarkerTask::create(recipe, cut, toy_light(1, 1), ""));
 }

@@ -16,12 +16,12 @@ using testing::HasSubstr;
 
 /// A jaw that follows one loud band, lips that close where nothing is heard, and a hiss in which nobody
 /// speaks.
-study::SpeechDataset toy_speech(const std::string& voice, std::size_t passages) {
-  const std::size_t shapes = study::speech_shapes().size();
-  study::SpeechDataset data;
+synthetic::SpeechDataset toy_speech(const std::string& voice, std::size_t passages) {
+  const std::size_t shapes = synthetic::speech_shapes().size();
+  synthetic::SpeechDataset data;
   for (std::size_t p = 0; p <= passages; ++p) {
     Random random = Random(7).fork(voice, p);
-    study::SpeechSequence& s = data.sequences.emplace_back();
+    synthetic::SpeechSequence& s = data.sequences.emplace_back();
     s.speech = p < passages;
     s.voice = s.speech ? voice : "hiss";
     s.blocks = 200;
@@ -61,7 +61,7 @@ TEST(SpeechTask, LearnsAToyThatCanBeListenedTo) {
   EXPECT_LT(results["voice_in_other_sounds"].get<double>(), 0.2);
   const auto file = speech::read_speech_network(folder / "toy.safetensors");
   ASSERT_TRUE(file) << file.error().message();
-  EXPECT_EQ(file->shapes, study::speech_shapes());
+  EXPECT_EQ(file->shapes, synthetic::speech_shapes());
   EXPECT_EQ(file->look_ahead, 1U);
   EXPECT_TRUE(speech::SpeechNetwork::create(*file));
   EXPECT_EQ(nlohmann::json::parse(file->results)["speech"], results);
@@ -76,22 +76,22 @@ TEST(SpeechTask, ABatchDependsOnItsSeedAlone) {
   EXPECT_NE(one.condition, (*task)->random_batch(8, Random(2)).condition);
   EXPECT_EQ(one.condition.size(), 8 * (*task)->recipe().architecture.window * speech::kConditionOfBlock);
   EXPECT_EQ(one.clean.size(),
-            8 * (*task)->recipe().architecture.window * (study::speech_shapes().size() + 2));
+            8 * (*task)->recipe().architecture.window * (synthetic::speech_shapes().size() + 2));
 }
 
 TEST(SpeechTask, RefusesWhatCannotBeTrained) {
   const Recipe recipe = toy_speech_recipe(10);
-  const auto complaint = [&](study::SpeechDataset training, study::SpeechDataset validation) {
+  const auto complaint = [&](synthetic::SpeechDataset training, synthetic::SpeechDataset validation) {
     const auto task = SpeechTask::create(recipe, std::move(training), std::move(validation));
     return task ? std::string() : task.error().message();
   };
   EXPECT_THAT(complaint({}, toy_speech("two", 1)), HasSubstr("no passage"));
   EXPECT_THAT(complaint(toy_speech("one", 1), toy_speech("one", 1)), HasSubstr("speaks in training and"));
-  study::SpeechDataset mute = toy_speech("one", 1);
+  synthetic::SpeechDataset mute = toy_speech("one", 1);
   mute.sequences.erase(mute.sequences.begin());
   EXPECT_THAT(complaint(mute, toy_speech("two", 1)), HasSubstr("no passage"))
       << "other sounds alone teach nothing";
-  study::SpeechDataset broken = toy_speech("one", 1);
+  synthetic::SpeechDataset broken = toy_speech("one", 1);
   broken.sequences[0].closure.pop_back();
   EXPECT_THAT(complaint(broken, toy_speech("two", 1)), HasSubstr("do not fit"));
   broken = toy_speech("one", 1);

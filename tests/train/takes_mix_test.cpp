@@ -6,7 +6,7 @@
 #include <set>
 
 #include "mien/model/schedule.h"
-#include "mien/study/imu/dataset_part.h"
+#include "mien/synthetic/imu/dataset_part.h"
 #include "mien/train/assess.h"
 #include "mien/train/batches.h"
 #include "tests/train/toy_takes.h"
@@ -14,13 +14,13 @@
 namespace mien::train::takes_mix_test {
 namespace {
 
-study::TrainingData performed_by(std::size_t people, std::size_t frames = 200) {
+dataset::TrainingData performed_by(std::size_t people, std::size_t frames = 200) {
   return {.train = toy_data(0, people, frames), .validation = toy_data(100, 1, frames)};
 }
 
-study::Dataset mixed(std::size_t performer_frames, std::size_t take_frames) {
+dataset::Dataset mixed(std::size_t performer_frames, std::size_t take_frames) {
   const auto takes = as_takes({.train = toy_takes(0, 1, take_frames), .validation = {}}, 40);
-  return put_together(performed_by(2, performer_frames), *takes)->train;
+  return synthetic::put_together(performed_by(2, performer_frames), *takes)->train;
 }
 
 TEST(TakesMix, AnyWindowIsOfATakeWithTheProbabilityOfTheShare) {
@@ -60,7 +60,7 @@ TEST(TakesMix, TheRecipeAndTheCommandLineMustAgree) {
 }
 
 TEST(TakesMix, PartsShorterThanAWindowAreLeftOut) {
-  study::TrainingData takes{.train = toy_takes(0, 1, 39), .validation = toy_takes(5, 1, 39)};
+  dataset::TrainingData takes{.train = toy_takes(0, 1, 39), .validation = toy_takes(5, 1, 39)};
   EXPECT_EQ(as_takes(takes, 40).error().code, ErrorCode::bad_usage) << "nothing is left to train on";
   takes.train.sequences.push_back(toy_takes(1, 1, 40).sequences.front());
   const auto marked = as_takes(takes, 40);
@@ -75,28 +75,29 @@ TEST(TakesMix, PartsShorterThanAWindowAreLeftOut) {
 
 TEST(TakesMix, PeopleGetNumbersThatNoPerformerHas) {
   const auto takes = as_takes({.train = toy_takes(0, 2), .validation = toy_takes(2, 1)}, 40);
-  const auto data = put_together(performed_by(2), *takes);
+  const auto data = synthetic::put_together(performed_by(2), *takes);
   ASSERT_TRUE(data) << data.error().message();
   EXPECT_TRUE(check_apart(data->train, data->validation));
   std::set<std::uint32_t> performers, people;
-  for (const study::Dataset* part : {&data->train, &data->validation})
-    for (const study::Sequence& s : part->sequences) (s.from_take ? people : performers).insert(s.performer);
+  for (const dataset::Dataset* part : {&data->train, &data->validation})
+    for (const dataset::Sequence& s : part->sequences)
+      (s.from_take ? people : performers).insert(s.performer);
   EXPECT_EQ(performers, (std::set<std::uint32_t>{0, 1, 100}));
   EXPECT_EQ(people, (std::set<std::uint32_t>{101, 102, 103}));
   // Whoever is in both parts of the takes is so afterwards, and refused.
   const auto twice = as_takes({.train = toy_takes(0, 2), .validation = toy_takes(1, 1)}, 40);
-  const auto bad = put_together(performed_by(2), *twice);
+  const auto bad = synthetic::put_together(performed_by(2), *twice);
   EXPECT_FALSE(check_apart(bad->train, bad->validation));
 }
 
 TEST(TakesMix, OtherSensorsAreRefused) {
   auto takes = as_takes({.train = toy_takes(0, 2), .validation = toy_takes(2, 1)}, 40);
   takes->train.sensors[0] = takes->validation.sensors[0] = "frontalis_L";
-  EXPECT_EQ(put_together(performed_by(2), *takes).error().code, ErrorCode::mismatch);
+  EXPECT_EQ(synthetic::put_together(performed_by(2), *takes).error().code, ErrorCode::mismatch);
 }
 
 TEST(TakesMix, TellsHowMuchThereIs) {
-  const study::Dataset data = mixed(200, 900);
+  const dataset::Dataset data = mixed(200, 900);
   EXPECT_EQ(takes_in(data).people, 1U);
   EXPECT_DOUBLE_EQ(takes_in(data).minutes, 0.25) << "900 frames of 60 a second";
   EXPECT_EQ(takes_in(toy_data(0, 2)).people, 0U);
@@ -104,7 +105,7 @@ TEST(TakesMix, TellsHowMuchThereIs) {
 
 TEST(TakesMix, StatisticsAreWeightedAsWindowsAreDrawn) {
   for (const std::size_t frames : {60U, 3000U}) {
-    const study::Dataset data = mixed(200, frames);
+    const dataset::Dataset data = mixed(200, frames);
     for (const double share : {0.25, 1.0}) {
       const std::vector<float> mean = mean_pose_of(data, as_drawn(data, share));
       EXPECT_NEAR(mean[kShapeOfTakes], 0.05 + share * 0.85, 1e-4) << frames;
@@ -113,10 +114,10 @@ TEST(TakesMix, StatisticsAreWeightedAsWindowsAreDrawn) {
                   1e-3);
     }
   }
-  const study::Dataset alone = toy_data(0, 2);
+  const dataset::Dataset alone = toy_data(0, 2);
   EXPECT_EQ(mean_pose_of(alone, as_drawn(alone, 0)), mean_pose_of(alone));
-  study::Dataset turned = mixed(200, 300);
-  for (study::Sequence& s : turned.sequences)
+  dataset::Dataset turned = mixed(200, 300);
+  for (dataset::Sequence& s : turned.sequences)
     for (std::size_t f = 0; f < s.frames; ++f) s.values[f * 14 + 4] = s.from_take ? 0.4F : 0.0F;
   EXPECT_NEAR(normalisation_of(turned, 0, as_drawn(turned, 0.25)).mean[4], 0.1, 1e-5);
 }
@@ -124,7 +125,7 @@ TEST(TakesMix, StatisticsAreWeightedAsWindowsAreDrawn) {
 class MixedBatches : public testing::Test {
  protected:
   /// Of each step's windows, those of takes.
-  [[nodiscard]] std::vector<double> takes_in_steps(const study::Dataset& data, std::size_t steps) const {
+  [[nodiscard]] std::vector<double> takes_in_steps(const dataset::Dataset& data, std::size_t steps) const {
     const BatchMaker batches = maker(data);
     std::vector<double> counts;
     for (std::size_t step = 0; step < steps; ++step) {
@@ -136,7 +137,7 @@ class MixedBatches : public testing::Test {
     }
     return counts;
   }
-  [[nodiscard]] BatchMaker maker(const study::Dataset& data) const {
+  [[nodiscard]] BatchMaker maker(const dataset::Dataset& data) const {
     return {data,
             recipe_,
             {.sensors = data.sensors, .presence_flags = true},
@@ -169,15 +170,15 @@ TEST_F(MixedBatches, KeepTheShareHoweverManyFramesEachHas) {
 TEST_F(MixedBatches, AreOfOneKindWhereThereIsNoOther) {
   recipe_.takes_share = 0.5;
   for (const double takes : takes_in_steps(toy_data(0, 2), 5)) EXPECT_EQ(takes, 0);
-  study::Dataset alone = toy_takes(0, 2);
-  for (study::Sequence& s : alone.sequences) s.from_take = true;
+  dataset::Dataset alone = toy_takes(0, 2);
+  for (dataset::Sequence& s : alone.sequences) s.from_take = true;
   for (const double takes : takes_in_steps(alone, 5)) EXPECT_EQ(takes, 10);
   EXPECT_EQ(maker(alone).places(WindowsOf::virtual_performers), 0U);
   EXPECT_EQ(maker(alone).places(WindowsOf::takes), 2U * 161U);
 }
 
 TEST_F(MixedBatches, AreAFunctionOfTheStep) {
-  const study::Dataset data = mixed(200, 300);
+  const dataset::Dataset data = mixed(200, 300);
   const BatchMaker batches = maker(data);
   const auto make = [&](std::uint64_t step) {
     return batches.random_batch(7, Random(3).fork("batch", step));
@@ -187,9 +188,9 @@ TEST_F(MixedBatches, AreAFunctionOfTheStep) {
 }
 
 TEST_F(MixedBatches, TakesAreReadAsTheyAreWhereSkinsAreKnown) {
-  study::Dataset data = mixed(200, 300);
+  dataset::Dataset data = mixed(200, 300);
   const std::size_t slopes = 3 * data.sensors.size() * face::kShapeCount;
-  for (study::Sequence& s : data.sequences) {
+  for (dataset::Sequence& s : data.sequences) {
     s.lab = false;
     if (!s.from_take) s.slopes.assign(slopes, 0.3F);
   }
@@ -206,14 +207,14 @@ TEST_F(MixedBatches, TakesAreReadAsTheyAreWhereSkinsAreKnown) {
 }
 
 TEST_F(MixedBatches, TheHashOfTakesIsOfThemAlone) {
-  const study::Dataset data = mixed(200, 300), other_takes = mixed(200, 301);
-  study::Dataset others = mixed(240, 300);
+  const dataset::Dataset data = mixed(200, 300), other_takes = mixed(200, 301);
+  dataset::Dataset others = mixed(240, 300);
   others.sequences.back().performer += 7;  // As more performers would have it.
   EXPECT_EQ(hash_of_takes(data, {}), hash_of_takes(others, {}));
   EXPECT_NE(hash_of_takes(data, {}), hash_of_takes(other_takes, {}));
   EXPECT_NE(hash_of_takes(data, {}), hash_of_takes({}, data));
-  study::Dataset unmarked = data;
-  for (study::Sequence& s : unmarked.sequences) s.from_take = false;
+  dataset::Dataset unmarked = data;
+  for (dataset::Sequence& s : unmarked.sequences) s.from_take = false;
   EXPECT_NE(hash_of(data), hash_of(unmarked)) << "a score on them is another score";
 }
 

@@ -7,7 +7,7 @@
 
 #include "mien/core/files.h"
 #include "mien/model/model_file.h"
-#include "mien/study/imu/dataset_part.h"
+#include "mien/synthetic/imu/dataset_part.h"
 #include "mien/train/blendshape_task.h"
 #include "mien/train/takes_mix.h"
 #include "mien/train/trainer.h"
@@ -23,14 +23,14 @@ using MadeTask = Result<std::unique_ptr<BlendshapeTask>>;
 
 class TakesTask : public testing::Test {
  protected:
-  static MadeTask task_of(study::TrainingData data, const std::string& recipe) {
+  static MadeTask task_of(dataset::TrainingData data, const std::string& recipe) {
     return BlendshapeTask::create(*parse_recipe(recipe, "test"), std::move(data.train),
                                   std::move(data.validation), "# rig");
   }
-  [[nodiscard]] study::TrainingData both() const { return *put_together(performed_, takes()); }
-  [[nodiscard]] study::TrainingData takes() const { return *as_takes(taken_, 40); }
+  [[nodiscard]] dataset::TrainingData both() const { return *synthetic::put_together(performed_, takes()); }
+  [[nodiscard]] dataset::TrainingData takes() const { return *as_takes(taken_, 40); }
 
-  Result<TrainReport> train_on(study::TrainingData data, const std::string& recipe, const std::string& name,
+  Result<TrainReport> train_on(dataset::TrainingData data, const std::string& recipe, const std::string& name,
                                const std::string& from = "") const {
     MIEN_TRY_ASSIGN(const std::unique_ptr<BlendshapeTask> task, task_of(std::move(data), recipe));
     TrainOptions options{.out = folder_ / name, .force = true, .device = "cpu", .threads = 1};
@@ -39,8 +39,8 @@ class TakesTask : public testing::Test {
   }
 
   mien::test::Folder folder_;
-  study::TrainingData performed_{.train = toy_data(0, 3), .validation = toy_data(10, 2)};
-  study::TrainingData taken_{.train = toy_takes(0, 2), .validation = toy_takes(7, 1, 85)};
+  dataset::TrainingData performed_{.train = toy_data(0, 3), .validation = toy_data(10, 2)};
+  dataset::TrainingData taken_{.train = toy_takes(0, 2), .validation = toy_takes(7, 1, 85)};
 };
 
 TEST_F(TakesTask, ValidatesOnBothByTheShare) {
@@ -98,7 +98,7 @@ TEST_F(TakesTask, ResultsTellOfBothAndNameNobody) {
 }
 
 TEST_F(TakesTask, ResultsSayThatOnePersonAloneIsNobodyElse) {
-  study::TrainingData data = takes();
+  dataset::TrainingData data = takes();
   const auto task = BlendshapeTask::create(*parse_recipe(toy_causal_recipe(2), "test"), data.train,
                                            data.validation, "# rig", true);
   ASSERT_TRUE(task) << task.error().message();
@@ -141,9 +141,9 @@ TEST_F(TakesTask, KnownSkinsAreOfPerformersAlone) {
   EXPECT_TRUE(task_of(takes(), recipe)) << "nobody's is known, and nobody is refused";
   EXPECT_EQ(task_of(both(), recipe).error().code, ErrorCode::mismatch) << "performers' must be";
   const std::size_t slopes = 3 * performed_.train.sensors.size() * face::kShapeCount;
-  for (study::Dataset* data : {&performed_.train, &performed_.validation}) {
+  for (dataset::Dataset* data : {&performed_.train, &performed_.validation}) {
     data->standard_slopes.assign(slopes, 0.1F);
-    for (study::Sequence& s : data->sequences) s.slopes = data->standard_slopes;
+    for (dataset::Sequence& s : data->sequences) s.slopes = data->standard_slopes;
   }
   EXPECT_TRUE(task_of(both(), recipe));
 
@@ -206,9 +206,9 @@ TEST_F(TakesTask, GoOnFromTheShippedModel) {
   recipe.batch = recipe.windows = 2;
   recipe.takes_share.reset();
   const auto people = [&](std::uint32_t first) {
-    study::Dataset data{.sensors = shipped->features.sensors, .standard_slopes = {}, .sequences = {}};
-    for (const study::Sequence& toy : toy_takes(first, 2, 250).sequences) {
-      study::Sequence& s = data.sequences.emplace_back(toy);
+    dataset::Dataset data{.sensors = shipped->features.sensors, .standard_slopes = {}, .sequences = {}};
+    for (const dataset::Sequence& toy : toy_takes(first, 2, 250).sequences) {
+      dataset::Sequence& s = data.sequences.emplace_back(toy);
       const std::size_t n = data.sensors.size();
       s.values.clear();
       for (std::size_t f = 0; f < s.frames; ++f)

@@ -5,22 +5,22 @@
 
 #include "mien/core/random.h"
 #include "mien/core/rotation.h"
+#include "mien/dataset/dataset.h"
 #include "mien/face/profile.h"
-#include "mien/study/dataset.h"
 #include "mien/train/recipe.h"
 
 namespace mien::train {
 
 /// People whose first three weights move slowly and turn two sensors; the rest of the weights stay at their
 /// rest. A network that learns anything beats the mean pose by far.
-inline study::Dataset toy_data(std::uint32_t first_performer, std::size_t performers,
-                               std::size_t frames = 200) {
-  study::Dataset dataset;
+inline dataset::Dataset toy_data(std::uint32_t first_performer, std::size_t performers,
+                                 std::size_t frames = 200) {
+  dataset::Dataset dataset;
   dataset.sensors = {"mentalis", "buccinator_l"};
   for (std::size_t p = 0; p < performers; ++p)
     for (const bool lab : {true, false}) {
       Random random = Random(first_performer + p).fork("toy", lab ? 1 : 0);
-      study::Sequence& s = dataset.sequences.emplace_back();
+      dataset::Sequence& s = dataset.sequences.emplace_back();
       s.performer = first_performer + static_cast<std::uint32_t>(p);
       s.lab = lab;
       s.frames = frames;

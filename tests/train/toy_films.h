@@ -11,7 +11,7 @@
 
 #include "mien/core/random.h"
 #include "mien/face/profile.h"
-#include "mien/study/headset/headset_dataset.h"
+#include "mien/synthetic/headset/headset_dataset.h"
 
 namespace mien::train::test {
 
@@ -20,13 +20,13 @@ inline constexpr std::size_t kFilmSide = 32;
 /// Films in which a bright bar stands at a height that the jaw tells in the mouths' views, and that the left
 /// lid tells in the left eye's; with a rest each view is brighter on one side, right ones on the other. The
 /// first `rest` frames are at rest, frames 1/60 s apart.
-inline study::HeadsetFilms toy_films(const std::filesystem::path& folder, int rest = 0) {
-  study::HeadsetFilms films;
+inline synthetic::HeadsetFilms toy_films(const std::filesystem::path& folder, int rest = 0) {
+  synthetic::HeadsetFilms films;
   for (int f = 0; f < 4; ++f) {
     Random random = Random(11).fork("film", static_cast<std::uint64_t>(f));
-    std::vector<study::FilmFrame> frames;
+    std::vector<synthetic::FilmFrame> frames;
     for (int i = 0; i < 120; ++i) {
-      study::FilmFrame& frame = frames.emplace_back();
+      synthetic::FilmFrame& frame = frames.emplace_back();
       const bool rests = i < rest;
       // Slowly where there is a rest, so that a network with a memory has something to follow.
       const auto move = [&](double slow) {
@@ -53,8 +53,8 @@ inline study::HeadsetFilms toy_films(const std::filesystem::path& folder, int re
       }
     }
     const auto path = folder / fmt::format("{}.film", f);
-    EXPECT_TRUE(study::write_film(path, std::string(64, '0'), 4, kFilmSide, frames));
-    (f < 3 ? films.train : films.validation).push_back(study::HeadsetFilm::open(path).value());
+    EXPECT_TRUE(synthetic::write_film(path, std::string(64, '0'), 4, kFilmSide, frames));
+    (f < 3 ? films.train : films.validation).push_back(synthetic::HeadsetFilm::open(path).value());
   }
   return films;
 }

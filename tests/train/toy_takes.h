@@ -12,10 +12,10 @@ namespace mien::train {
 inline constexpr std::size_t kShapeOfTakes = 10;
 
 /// The toy's people with real sensors: in one profile, of unknown skin, not yet marked.
-inline study::Dataset toy_takes(std::uint32_t first_person, std::size_t people, std::size_t frames = 200) {
-  study::Dataset dataset = toy_data(first_person, people, frames);
-  std::erase_if(dataset.sequences, [](const study::Sequence& s) { return s.lab; });
-  for (study::Sequence& s : dataset.sequences)
+inline dataset::Dataset toy_takes(std::uint32_t first_person, std::size_t people, std::size_t frames = 200) {
+  dataset::Dataset dataset = toy_data(first_person, people, frames);
+  std::erase_if(dataset.sequences, [](const dataset::Sequence& s) { return s.lab; });
+  for (dataset::Sequence& s : dataset.sequences)
     for (std::size_t f = 0; f < s.frames; ++f) s.weights[f * face::kShapeCount + kShapeOfTakes] = 0.9F;
   return dataset;
 }

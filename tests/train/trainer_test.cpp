@@ -47,7 +47,7 @@ class Trainer : public testing::Test {
   }
 
   mien::test::Folder folder_;
-  study::Dataset training_ = toy_data(0, 4), validation_ = toy_data(10, 2);
+  dataset::Dataset training_ = toy_data(0, 4), validation_ = toy_data(10, 2);
 };
 
 TEST_F(Trainer, LearnsAToyAndLeavesNoSeam) {
@@ -106,9 +106,9 @@ TEST_F(Trainer, GoesOnFromAnotherModelAndLearnsKnownSkins) {
   ASSERT_TRUE(run_recipe(toy_causal_recipe(200), "first.safetensors"));
   // Both people's sensors are as the standard's, so what is known of their skin changes nothing of the toy.
   const std::size_t slopes = 3 * training_.sensors.size() * face::kShapeCount;
-  for (study::Dataset* data : {&training_, &validation_}) {
+  for (dataset::Dataset* data : {&training_, &validation_}) {
     data->standard_slopes.assign(slopes, 0.1F);
-    for (study::Sequence& s : data->sequences) s.slopes = data->standard_slopes;
+    for (dataset::Sequence& s : data->sequences) s.slopes = data->standard_slopes;
   }
   const std::string recipe = toy_causal_recipe(3, "[augmentation]\nknown_skin = 1\nskin_gain_error = 0\n");
   const auto go_on = [&](const std::string& from) -> Result<TrainReport> {

@@ -141,15 +141,15 @@ TEST(ViewsTask, BatchesFollowTheirStream) {
 
 TEST(ViewsTask, WhatCannotBeSeenIsUnknown) {
   const mien::test::Folder folder;
-  std::vector<study::FilmFrame> frames(1);
+  std::vector<synthetic::FilmFrame> frames(1);
   frames[0].truth.visible = {1, 0};
   frames[0].truth.openness = {0, 1};
   frames[0].views.assign(4, std::vector<std::uint8_t>(kSide * kSide, 100));
-  study::HeadsetFilms films;
+  synthetic::HeadsetFilms films;
   for (auto* part : {&films.train, &films.validation}) {
     const auto path = folder / (part == &films.train ? "a.film" : "b.film");
-    ASSERT_TRUE(study::write_film(path, std::string(64, '0'), 4, kSide, frames));
-    part->push_back(study::HeadsetFilm::open(path).value());
+    ASSERT_TRUE(synthetic::write_film(path, std::string(64, '0'), 4, kSide, frames));
+    part->push_back(synthetic::HeadsetFilm::open(path).value());
   }
   const auto task = ViewsTask::create(recipe_of(1), std::move(films), rig(), "");
   ASSERT_TRUE(task) << task.error().message();

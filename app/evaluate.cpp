@@ -1,0 +1,255 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "app/chosen_face.h"
+#include "app/command.h"
+#include "app/json_output.h"
+#include "app/model_option.h"
+#include "app/one_line.h"
+#include "app/shaping_option.h"
+#include "app/truth_option.h"
+#include "mien/core/excerpt.h"
+#include "mien/core/files.h"
+#include "mien/measure/evaluation_json.h"
+#include "mien/measure/evaluation_report.h"
+#include "mien/modalities/modalities.h"
+#include "mien/solve/region_tally.h"
+#include "mien/solve/solve.h"
+
+namespace mien::app {
+namespace {
+
+struct EvaluateOptions {
+  std::vector<std::string> takes;
+  ModelOption model;
+  ShapingOption shaping;
+  TruthOption truth;
+  bool ablate = false;
+  double every_min = 0;
+  std::string face;
+  std::string report;
+  bool no_adapt = false;
+  bool json = false;
+};
+
+void print_row(const char* name, const measure::Metrics& m) {
+  const auto mean = [](const std::optional<measure::MeanStd>& value) {
+    return value ? fmt::format("{:.3f}", value->mean) : "-";
+  };
+  const auto ratio = [](const std::optional<double>& value) {
+    return value ? fmt::format("{:.2f}", *value) : "-";
+  };
+  fmt::print("{:<13} {:7.3f} {:>7} {:>7} {:8.4f} {:9.4f} {:>7} {:>8}\n", name, m.pve_mm.mean,
+             mean(m.pve_face_mm), mean(m.lmk_mm), m.mse, m.mse_observed, ratio(m.jitter_ratio),
+             ratio(m.blink_f1));
+}
+
+void print_pieces(const measure::TakePieces& of) {
+  fmt::print("\n{}\n{:>7} {:>8} {:>9} {:>6}  {}\n", one_line(of.take), "minute", "MSE", "mean pose", "ratio",
+             "bias, less the first piece's");
+  for (const measure::Piece& piece : of.pieces) {
+    const std::string bias =
+        piece.biased_shape ? fmt::format("{} {:+.2f}", face::kShapeNames[*piece.biased_shape], piece.bias)
+                           : "-";
+    fmt::print("{:7.1f} {:8.4f} {:9.4f} {:6.2f}  {}\n", piece.begin_s / 60, piece.mse, piece.mean_pose_mse,
+               piece.ratio, bias);
+  }
+}
+
+using Track = std::vector<face::BlendshapeWeights>;
+
+Track weights_of(const solve::Solution& solution) {
+  Track out;
+  out.reserve(solution.frames.size());
+  for (const face::OutputFrame& frame : solution.frames) out.push_back(frame.weights);
+  return out;
+}
+
+/// What is to be measured of a take, then the same with each step of shaping left out. A take is shaped where
+/// settings or ablations are asked for.
+Result<std::vector<solve::Solution>> solve(const OpenModel& model, const take::Take& take,
+                                           const OpenModel::Shaping& shaping,
+                                           const std::vector<Ablated>& ablated) {
+  std::vector<solve::Solution> one(1);
+  if (ablated.empty()) {
+    MIEN_TRY_ASSIGN(one.front(), model.solve(take, take.path().string(), shaping));
+    return one;
+  }
+  std::vector<shaping::ShaperSettings> all = {shaping.value_or(shaping::ShaperSettings{})};
+  for (const Ablated& without : ablated) all.push_back(without.settings);
+  return model.solve_by_each(take, take.path().string(), all);
+}
+
+/// The face that `name` asks for; where it asks for none, the one on which all the takes were performed, or
+/// the built-in one where that is not on this machine. `name` becomes the one that it is.
+Result<face::Face> face_to_measure_on(const std::set<std::string>& performed_on, std::string& name) {
+  if (!name.empty()) return chosen_face(name);
+  std::vector<std::string> shown;
+  for (const std::string& one : performed_on) shown.push_back(excerpt(one));
+  if (performed_on.size() > 1)
+    return fail(ErrorCode::bad_usage,
+                fmt::format("the takes were performed on different faces ({})", fmt::join(shown, ", ")),
+                "evaluate", "evaluate them apart, or name one face for all with --face");
+  name = *performed_on.begin();
+  auto face = chosen_face(name);
+  if (face || face.error().code != ErrorCode::not_found) return face;
+  fmt::print(stderr,
+             "mien: the take's face {} is not here: measured on the built-in one; --face names another\n",
+             one_line(name));
+  name = "builtin";
+  return chosen_face(name);
+}
+
+/// Says of each reason for which a wearer was not learnt, why: `takes` are those that it holds of.
+void say_unlearnt(const std::map<std::string, std::vector<std::string>>& unlearnt) {
+  for (const auto& [why, takes] : unlearnt) {
+    const std::string more = takes.size() > 1 ? fmt::format(" and {} more", takes.size() - 1) : "";
+    fmt::print(stderr, "mien: {}{}: the wearer was not learnt: {}\n", without_controls(takes.front()), more,
+               without_controls(why));
+  }
+}
+
+Result<void> run_evaluate(EvaluateOptions options) {
+  if (!options.report.empty()) MIEN_TRY(check_output(options.report, {".html"}));
+  MIEN_TRY(options.truth.check(options.takes.size()));
+  std::vector<take::Take> takes;
+  std::vector<std::vector<take::TruthFrame>> truths;  // Of each take.
+  std::vector<measure::ToldTruth> told;
+  std::set<std::string> devices;
+  std::set<std::string> performed_on;
+  for (const std::string& path : options.takes) {
+    MIEN_TRY_ASSIGN(take::Take take, take::Take::open(path));
+    MIEN_TRY_ASSIGN(TruthOption::Truth truth, options.truth.read(take));
+    truths.push_back(std::move(truth.frames));
+    if (truth.told) told.push_back(*std::move(truth.told));
+    devices.insert(take.header().devices);
+    performed_on.insert(take.header().face);
+    takes.push_back(std::move(take));
+  }
+  for (const take::Take& take : takes)
+    if (modalities::has_window_models(take.rig()) != modalities::has_window_models(takes.front().rig()))
+      return fail(ErrorCode::bad_usage, "the takes are of sensors that no one model knows",
+                  take.path().string(), "evaluate them apart");
+  MIEN_TRY_ASSIGN(const OpenModel::Shaping shaping, options.shaping.read());
+  // Of a session's take the prompts may lie among what a phone's truth is known of.
+  options.model.adapt = !options.no_adapt && !options.truth.told();
+  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(takes.front().rig()));
+  std::string face_name = options.face;
+  MIEN_TRY_ASSIGN(const face::Face face, face_to_measure_on(performed_on, face_name));
+  std::vector<measure::TakeEstimates> estimates;
+  const std::vector<Ablated> ablated =
+      options.ablate ? ablations(shaping.value_or(shaping::ShaperSettings{})) : std::vector<Ablated>{};
+  std::vector<std::vector<Track>> without(ablated.size());  // Of each, takes.
+  std::size_t adapted = 0;
+  double adapt_s = 0;
+  std::map<std::string, std::vector<std::string>> unlearnt;  // Takes by why.
+  for (std::size_t t = 0; t < takes.size(); ++t) {
+    MIEN_TRY_ASSIGN(const std::vector<solve::Solution> solutions, solve(model, takes[t], shaping, ablated));
+    const solve::Solution& solution = solutions.front();
+    if (solution.personalised && solution.personalised->taken) ++adapted;
+    adapt_s += solution.personalise_s;
+    if (!solution.unlearnt.empty()) unlearnt[solution.unlearnt].push_back(takes[t].path().string());
+    estimates.push_back(solve::with_truth(takes[t].path().string(), solution, truths[t]));
+    for (std::size_t i = 0; i < ablated.size(); ++i) without[i].push_back(weights_of(solutions[i + 1]));
+  }
+  const measure::Meter meter(face);
+  MIEN_TRY_ASSIGN(measure::Evaluation evaluation, measure::evaluate(meter, estimates, model.mean_pose()));
+  for (std::size_t i = 0; i < ablated.size(); ++i)
+    evaluation.ablations.push_back(
+        measure::measure_ablation(meter, estimates, ablated[i].without, without[i]));
+  if (options.every_min > 0)
+    for (const measure::TakeEstimates& take : estimates)
+      evaluation.pieces.push_back(
+          {take.take, measure::pieces_of(take.truth, take.model, model.mean_pose(), 60 * options.every_min)});
+  evaluation.ece = solve::expected_region_error(estimates);
+  say_unlearnt(unlearnt);
+  if (adapted > 0 && adapted < takes.size())
+    fmt::print(stderr,
+               "mien: the wearer was learnt on {} of the {} takes; evaluate them apart to tell them apart\n",
+               adapted, takes.size());
+  const measure::EvaluationContext context{
+      .face = face_name,
+      .model = options.model.path,
+      .devices = devices.size() == 1 ? *devices.begin() : "mixed",
+      .steps = model.steps(),
+      .adapted = adapted == takes.size(),
+      .adapt_s = adapt_s,
+      .told = std::move(told),
+  };
+  if (!options.report.empty())
+    MIEN_TRY(measure::evaluation_report(evaluation, context).write(options.report));
+  if (options.json) {
+    const std::string text = measure::evaluation_json(evaluation, context) + "\n";
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return {};
+  }
+  fmt::print("{} frames of {} take{} on {}, {} profile, {}; model {}\n\n", evaluation.frames,
+             evaluation.takes, evaluation.takes == 1 ? "" : "s", face_name, context.devices,
+             measure::asked_how(context), one_line(context.model));
+  std::vector<std::string> first = measure::truth_told(context);
+  std::ranges::move(measure::baselines_ahead(evaluation), std::back_inserter(first));
+  for (const std::string& sentence : first) fmt::print("{}\n", sentence);
+  if (!first.empty()) fmt::print("\n");
+  fmt::print("{:<13} {:>7} {:>7} {:>7} {:>8} {:>9} {:>7} {:>8}\n", "", "PVE mm", "face mm", "LMK mm", "MSE",
+             "MSE of 42", "jitter", "blink F1");
+  print_row("model", evaluation.model);
+  if (evaluation.ridge) print_row("ridge", *evaluation.ridge);
+  print_row("hold last", evaluation.hold_last);
+  print_row("mean pose", evaluation.mean_pose);
+  if (const measure::Table eyes = measure::eyes_and_lips_table(evaluation); !eyes.rows.empty())
+    fmt::print("\n{}", measure::plain_text(eyes));
+  if (!evaluation.ablations.empty())
+    fmt::print("\nthe model with a step of shaping left out (=: no bit changes)\n");
+  for (const measure::Ablation& one : evaluation.ablations)
+    print_row((one.without + (one.changed ? "" : " =")).c_str(), one.metrics);
+  for (const measure::TakePieces& of : evaluation.pieces) print_pieces(of);
+  if (evaluation.model.mse > evaluation.mean_pose.mse &&
+      evaluation.model.mse_observed < evaluation.mean_pose.mse_observed)
+    fmt::print(
+        "\nMSE is above the mean pose's because of gaze, eyeWide and mouthShrugUpper: without them (MSE of "
+        "42) it is below. They move few vertices.\n");
+  fmt::print("\nhold last is the truth of a second ago, which no tracker has (docs/reference/metrics.md)\n");
+  if (!options.report.empty()) fmt::print("\nreport: {}\n", options.report);
+  return {};
+}
+
+}  // namespace
+
+void add_evaluate_command(Commands& commands) {
+  auto options = std::make_shared<EvaluateOptions>();
+  const Command command = commands.add(
+      "evaluate", "Measures the live model, or another, on takes with truth, beside its baselines",
+      "mien evaluate take.mien --report take.html", [options] { return run_evaluate(*options); });
+  command.add_option("takes", options->takes, "Takes with a truth track, or with --truth").required();
+  options->model.add_to(command);
+  options->shaping.add_to(command);
+  options->truth.add_to(command);
+  command.add_flag(
+      "--ablate", options->ablate,
+      "Measure once more with each step of shaping left out: one row a step. Shapes by the defaults "
+      "where no --shaping says otherwise");
+  command
+      .add_option(
+          "--every", options->every_min,
+          "Also print the error of each piece of this many minutes of a take: whether it stays as it began")
+      .in_range(0.1, 600.0);
+  command.add_option("--face", options->face,
+                     "Face to measure on (default: the take's own where it is found, else builtin)");
+  command.add_option("--report", options->report, "Write a self-contained HTML page with plots");
+  command
+      .add_flag(
+          "--no-adapt", options->no_adapt,
+          "Do not personalise the live model on a take's full prologue first; with --truth, and of a model "
+          "that learnt from a phone, it never is")
+      .excludes(command.option("--window"));
+  command.add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

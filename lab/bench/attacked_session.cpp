@@ -1,0 +1,317 @@
+#include <utility>  // Before Asio 1.74, which forgets it.
+
+#include "lab/bench/attacked_session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "app/child_program.h"
+#include "app/chosen_face.h"
+#include "app/command.h"
+#include "app/live/perform_network.h"
+#include "app/private_folder.h"
+#include "lab/bench/clock.h"
+#include "lab/bench/loopback.h"
+#include "mien/core/bytes.h"
+#include "mien/core/files.h"
+#include "mien/core/hex.h"
+#include "mien/core/median.h"
+#include "mien/face/output_frame.h"
+#include "mien/measure/evaluation.h"
+#include "mien/modalities/modalities.h"
+#include "mien/session/replay.h"
+#include "mien/take/take.h"
+
+namespace mien::lab {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+
+/// Who speaks first does so this long before the devices, and who speaks second this long after them.
+constexpr auto kLead = std::chrono::seconds(1);
+constexpr auto kPatience = std::chrono::seconds(20);
+/// The devices' source text in a log begins so: strangers have other addresses.
+constexpr std::string_view kDevices = "udp://127.0.0.1:";
+/// A frame counts as shown from half a period after it is due on.
+constexpr Duration kHalfPeriod = std::chrono::microseconds(8333);
+
+/// Sits still before everything else, as the motion begins.
+void sit_still(performer::PrologueMotion& motion, double still_s) {
+  std::vector<face::MotionFrame>& frames = motion.motion.frames;
+  const auto count = static_cast<std::size_t>(std::lround(still_s * kFrameRateHz));
+  if (frames.empty() || count == 0) return;
+  const double moved_s = static_cast<double>(count) / kFrameRateHz;
+  for (face::MotionFrame& frame : frames) frame.time_s += moved_s;
+  std::vector<face::MotionFrame> still(count, frames.front());
+  for (std::size_t i = 0; i < count; ++i) still[i].time_s = static_cast<double>(i) / kFrameRateHz;
+  frames.insert(frames.begin(), still.begin(), still.end());
+  performer::PrologueTimes& times = motion.times;
+  for (performer::Interval* part : {&times.neutral, &times.nod, &times.shake, &times.anchors,
+                                    &times.range_of_motion, &times.gaze, &times.ease}) {
+    part->begin_s += moved_s;
+    part->end_s += moved_s;
+  }
+  times.motion_start_s += moved_s;
+}
+
+/// A key that devices and session share, for this run.
+sensor::SealKey run_key(std::uint64_t seed) {
+  sensor::SealKey key{.id = 1, .secret = {}};
+  Random random = Random(seed).fork("key");
+  for (std::byte& byte : key.secret) byte = static_cast<std::byte>(random.below(256));
+  return key;
+}
+
+std::string key_text(const sensor::SealKey& key) {
+  return fmt::format("{} {}\n", key.id, hex(key.secret));
+}
+
+/// Whether a socket of this machine's loopback has that port: Linux lists it.
+bool somebody_listens(std::uint16_t port) {
+  std::ifstream sockets("/proc/net/udp");
+  const std::string entry = fmt::format("0100007F:{:04X}", port);
+  for (std::string word; sockets >> word;)
+    if (word == entry) return true;
+  return false;
+}
+
+std::uint16_t free_port() {
+  asio::io_context io;
+  return loopback(io).local_endpoint().port();
+}
+
+/// The performance's time 0 on the session's clock: what devices of ours send is the performance's own bytes.
+/// Of others, whose bytes it does not have, the first reading that was accepted is the first that was sent.
+std::optional<Duration> begin_of(const virt::VirtualSession& played, std::span<const take::LogEntry> entries,
+                                 std::span<const take::StoredSample> samples) {
+  std::map<std::string_view, HostTime> sent;
+  for (const take::LogEntry& entry : played.entries) sent.emplace(as_text(entry.bytes), entry.arrival);
+  std::vector<Duration> begins;
+  for (const take::LogEntry& entry : entries) {
+    if (!entry.source.starts_with(kDevices)) continue;
+    const auto found = sent.find(as_text(entry.bytes));
+    if (found != sent.end()) begins.push_back(entry.arrival - found->second);
+  }
+  if (begins.empty()) {
+    for (const take::StoredSample& sample : samples)
+      if (entries[static_cast<std::size_t>(sample.entry - 1)].source.starts_with(kDevices))
+        return sample.arrival - played.entries.front().arrival;
+    return std::nullopt;
+  }
+  return upper_median(std::move(begins));
+}
+
+/// What was shown at each of the performance's moments: the newest frame that had been sent by then, and a
+/// face at rest before there was one.
+std::vector<face::BlendshapeWeights> shown(const virt::VirtualSession& played, Duration begin,
+                                           std::span<const take::Tick> ticks,
+                                           std::span<const face::OutputFrame> frames) {
+  std::vector<face::BlendshapeWeights> all;
+  std::size_t next = 0;
+  for (const take::Tick& moment : played.ticks) {
+    while (next < ticks.size() && ticks[next].fired <= moment.fired + begin + kHalfPeriod) ++next;
+    all.push_back(next == 0 ? face::BlendshapeWeights() : frames[next - 1].weights);
+  }
+  return all;
+}
+
+/// What the take tells that the session's summary does not.
+Result<void> read_take(const AttackScene& scene, const std::filesystem::path& path, const std::string& hash,
+                       AttackFigures& out) {
+  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(path));
+  MIEN_TRY_ASSIGN(const std::vector<take::LogEntry> entries, take.entries());
+  MIEN_TRY_ASSIGN(const std::vector<take::StoredSample> samples, take.samples());
+  MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
+  MIEN_TRY_ASSIGN(const auto session, modalities::make_session(take.rig(), scene.model));
+  std::vector<face::OutputFrame> frames;
+  MIEN_TRY(session::replay(take, *session, [&](const take::Tick&, const face::OutputFrame& frame) {
+    frames.push_back(frame);
+    return true;
+  }));
+  out.same_bits = session->hash() == hash;
+
+  const auto begin = begin_of(scene.played, entries, samples);
+  if (!begin) return {};  // No device was heard, and that stands there.
+  const auto is_evaluated = [](const take::TruthFrame& truth) { return truth.evaluated; };
+  const auto& truth = scene.played.truth;
+  const auto first = std::ranges::find_if(truth, is_evaluated) - truth.begin();
+  const HostTime from = scene.played.ticks[static_cast<std::size_t>(first)].fired + *begin;
+  const HostTime to = scene.played.ticks.back().fired + *begin;
+  for (const take::StoredSample& sample : samples) {
+    if (sample.arrival < from || sample.arrival >= to) continue;
+    const auto& source = entries[static_cast<std::size_t>(sample.entry - 1)].source;
+    ++(source.starts_with(kDevices) ? out.heard : out.strangers);
+  }
+  const auto fired = std::ranges::count_if(
+      ticks, [&](const take::Tick& tick) { return tick.fired >= from && tick.fired < to; });
+  out.added = static_cast<double>(fired) - std::round(to_seconds(to - from) * kFrameRateHz);
+  if (scene.meter)
+    out.pve_mm =
+        measure::measure_track(*scene.meter, truth, shown(scene.played, *begin, ticks, frames)).pve_mm.mean;
+  return {};
+}
+
+std::filesystem::path take_in(const std::filesystem::path& folder) {
+  return folder / "take.mien";
+}
+
+/// `mien live`, once it listens. Errors: io (it does not).
+Result<app::Child> start_session(const AttackScene& scene, const Boards& boards,
+                                 const std::filesystem::path& folder, std::uint16_t port,
+                                 std::uint16_t sink_port) {
+  MIEN_TRY_ASSIGN(const std::filesystem::path program, running_program());
+  const std::string address = fmt::format("udp://127.0.0.1:{}", port);
+  std::vector<std::string> command = {program.string(), "live",
+                                      "--rig",          scene.rig,
+                                      "--model",        scene.model,
+                                      "--listen",       address,
+                                      "--out",          fmt::format("livelink://127.0.0.1:{}", sink_port),
+                                      "--record",       take_in(folder).string(),
+                                      "--page",         "off",
+                                      "--json"};
+  if (boards.keyed) {
+    const std::filesystem::path key = folder / "key";
+    MIEN_TRY(write_file(key, key_text(run_key(scene.seed))));
+    command.insert(command.end(), {"--key", key.string()});
+  }
+  MIEN_TRY_ASSIGN(app::Child session, app::Child::start(std::move(command), app::Child::Input::none));
+  for (const auto from = Clock::now(); !somebody_listens(port);) {
+    if (Clock::now() - from > kPatience) return fail(ErrorCode::io, "the session does not listen", address);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return session;
+}
+
+/// The performance. `seen` is asked often: how far it is, and for how long it goes on; false stops it.
+/// Errors: the performance's; cancelled.
+Result<void> perform_for(const AttackScene& scene, const Boards& boards, std::uint16_t port,
+                         Overheard& overheard, const std::function<bool(double share, double time_s)>& seen) {
+  app::NetworkOptions network;
+  const bool slimevr = boards.language == virt::NodeLanguage::slimevr;
+  network.to = fmt::format("{}://127.0.0.1:{}", slimevr ? "slimevr" : "udp", port);
+  network.title = "";
+  if (boards.keyed) network.key = run_key(scene.seed);
+  network.sent = [&](std::span<const std::byte> datagram) { overheard.add(datagram); };
+  const double lasts_s = scene.stage.motion.motion.duration_s();
+  std::optional<Clock::time_point> begun;
+  bool stopped = false;
+  network.enough = [&](std::size_t) {
+    if (!begun) begun = Clock::now();
+    const double time_s = seconds_since(*begun);
+    stopped = !seen(std::min(1.0, time_s / lasts_s), time_s);
+    return stopped;
+  };
+  MIEN_TRY_ASSIGN(const app::NetworkSummary performed,
+                  app::perform_to_network(virt::Stage(scene.stage), network));
+  if (stopped || performed.stopped) return fail(ErrorCode::cancelled, "stopped", "bench attack");
+  return {};
+}
+
+}  // namespace
+
+app::Json to_json(const AttackFigures& f) {
+  return {{"frames", f.frames},
+          {"added", f.added},
+          {"missed", f.missed},
+          {"p50_ms", f.p50_ms},
+          {"p99_ms", f.p99_ms},
+          {"peak_memory_mb", f.peak_memory_mb},
+          {"dropped", f.dropped},
+          {"evicted", f.evicted},
+          {"malformed", f.malformed},
+          {"heard", f.heard},
+          {"strangers_heard", f.strangers},
+          {"pve_mm", f.pve_mm ? app::Json(*f.pve_mm) : app::Json()},
+          {"sent", f.sent},
+          {"same_bits", f.same_bits}};
+}
+
+Result<std::string> read_summary(const app::ChildOutput& said, AttackFigures& out) {
+  app::Json summary = app::Json::parse(said.out, nullptr, false);
+  if (summary.is_discarded() || !summary.contains("latency_ms"))
+    return fail(ErrorCode::internal, said.complaints.empty() ? "the session said nothing" : said.complaints,
+                "bench attack");
+  const auto number = [](const app::Json& object, const char* name) {
+    return object[name].is_number() ? object[name].get<double>() : 0.0;
+  };
+  out.frames = number(summary, "frames");
+  out.missed = number(summary, "missed");
+  out.p50_ms = number(summary["latency_ms"], "p50");
+  out.p99_ms = number(summary["latency_ms"], "p99");
+  out.peak_memory_mb = number(summary, "peak_memory_mb");
+  out.dropped = number(summary, "dropped");
+  out.evicted = number(summary, "evicted");
+  out.malformed = number(summary, "malformed");
+  return summary["hash"].get<std::string>();
+}
+
+Result<AttackScene> set_attack_scene(const SceneRequest& request) {
+  AttackScene scene;
+  scene.rate = request.rate;
+  scene.seed = request.seed;
+  MIEN_TRY_ASSIGN(const std::filesystem::path rig, app::path_or(request.rig, "rigs/default.toml"));
+  virt::StageRequest performance;
+  performance.script = performer::default_script(performer::Block::mixed, request.seconds);
+  performance.script_name = "mixed";
+  performance.face = fmt::format("builtin:{}", request.seed);
+  performance.rig = rig;
+  performance.seed = request.seed;
+  if (!request.calibrated) performance.prologue = performer::PrologueKind::none;
+  MIEN_TRY_ASSIGN(scene.stage, virt::set_stage(performance));
+  sit_still(scene.stage.motion, request.still_s);
+  MIEN_TRY_ASSIGN(scene.played, virt::play(scene.stage));
+  MIEN_TRY_ASSIGN(const std::filesystem::path model, modalities::live_model(scene.stage.rig, request.model));
+  scene.rig = rig.string();
+  scene.model = model.string();
+  if (request.calibrated) {
+    MIEN_TRY_ASSIGN(const face::Face face, app::chosen_face(performance.face));
+    scene.meter = std::make_unique<measure::Meter>(face);
+  }
+  return scene;
+}
+
+Result<AttackFigures> run_attacked_session(const AttackScene& scene, const Attack* attack,
+                                           const Boards& boards, const Progress& progress) {
+  MIEN_TRY_ASSIGN(const app::PrivateFolder folder, app::PrivateFolder::make());
+  const std::uint16_t port = free_port();
+  asio::io_context io;
+  const udp::socket face = loopback(io);  // Somebody who gets the face, and does nothing with it.
+  MIEN_TRY_ASSIGN(app::Child session,
+                  start_session(scene, boards, folder.path(), port, face.local_endpoint().port()));
+  Overheard overheard(scene.stage.rig);
+  std::unique_ptr<Stranger> stranger;
+  const auto attack_now = [&] {
+    stranger = std::make_unique<Stranger>(*attack, port, Victims{scene.stage.rig, overheard}, scene.rate,
+                                          scene.seed);
+  };
+  if (attack != nullptr && attack->begins == Attack::Begins::first) {
+    attack_now();
+    std::this_thread::sleep_for(kLead);
+  }
+  const auto seen = [&](double share, double performed_s) {
+    if (attack != nullptr && !stranger && performed_s > to_seconds(kLead)) attack_now();
+    return progress(share, attack == nullptr ? "nobody attacks" : attack->name);
+  };
+  MIEN_TRY(perform_for(scene, boards, port, overheard, seen));
+  AttackFigures out;
+  if (stranger) out.sent = static_cast<double>(stranger->sent());
+  // It is asked to end while the stranger goes on.
+  MIEN_TRY_ASSIGN(const app::ChildOutput said, session.stop(kPatience));
+  stranger.reset();
+  MIEN_TRY_ASSIGN(const std::string hash, read_summary(said, out));
+  if (out.frames > 0) MIEN_TRY(read_take(scene, take_in(folder.path()), hash, out));
+  return out;
+}
+
+}  // namespace mien::lab

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app/child_program.h"
+#include "app/json_output.h"
+#include "lab/bench/attack.h"
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/measure/metrics.h"
+#include "mien/virtual/session.h"
+#include "mien/virtual/stage.h"
+
+namespace mien::lab {
+
+/// What a session came to, beside its devices and perhaps a stranger. What is said of frames and readings is
+/// of the time in which the motion is performed, from its first frame that is evaluated to its last.
+struct AttackFigures {
+  double frames = 0;              ///< Of the whole session.
+  double missed = 0;              ///< Of the whole session.
+  double added = 0;               ///< Frames beyond sixty a second; negative: too few.
+  double p50_ms = 0, p99_ms = 0;  ///< As `mien live` has them.
+  double peak_memory_mb = 0;      ///< Of the session's process.
+  double dropped = 0, evicted = 0, malformed = 0;
+  double heard = 0;              ///< Readings of the devices that were accepted.
+  double strangers = 0;          ///< Readings of the stranger that were accepted.
+  std::optional<double> pve_mm;  ///< Of what was shown at each moment, against the performer's truth.
+  double sent = 0;               ///< Datagrams of the stranger.
+  bool same_bits = false;        ///< Its take replays to the session's hash.
+};
+[[nodiscard]] app::Json to_json(const AttackFigures& figures);
+/// What a session said of itself at its end (`mien live --json`), and its hash. Errors: internal (it failed).
+[[nodiscard]] Result<std::string> read_summary(const app::ChildOutput& said, AttackFigures& out);
+
+/// What sessions are attacked in: one performance, the same in each.
+struct AttackScene {
+  virt::Stage stage;
+  virt::VirtualSession played;            ///< What a session would see of it.
+  std::string rig, model;                 ///< Files.
+  std::unique_ptr<measure::Meter> meter;  ///< None: faces are not compared.
+  double rate = 1;                        ///< Share of each attack's own.
+  std::uint64_t seed = 1;
+};
+
+struct SceneRequest {
+  double seconds = 20;     ///< Of the motion.
+  double still_s = 6;      ///< That the performer sits still first, with the devices on.
+  bool calibrated = true;  ///< With a prologue; else the face stays neutral, and is not compared.
+  std::string rig, model;
+  double rate = 1;
+  std::uint64_t seed = 1;
+};
+/// Errors: the stage's, and the face's.
+[[nodiscard]] Result<AttackScene> set_attack_scene(const SceneRequest& request);
+
+/// The performer's boards.
+struct Boards {
+  virt::NodeLanguage language = virt::NodeLanguage::mien;
+  bool keyed = false;  ///< They and the session are paired.
+};
+
+/// Runs `mien live` as a process of its own, performs for it through real sockets, and attacks it meanwhile;
+/// nobody does where there is no attack. The session is asked to end after the performance. Errors: the
+/// performance's; io (the session did not end); internal (it failed); cancelled.
+[[nodiscard]] Result<AttackFigures> run_attacked_session(const AttackScene& scene, const Attack* attack,
+                                                         const Boards& boards, const Progress& progress);
+
+}  // namespace mien::lab

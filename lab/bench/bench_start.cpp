@@ -1,0 +1,204 @@
+#include <utility>  // Before Asio 1.74, which forgets it.
+
+#include "lab/bench/bench_start.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <ranges>
+#include <thread>
+#include <vector>
+
+#include "app/child_program.h"
+#include "app/json_output.h"
+#include "app/live/perform_network.h"
+#include "lab/bench/clock.h"
+#include "lab/bench/good_cameras.h"
+#include "lab/bench/loopback.h"
+#include "lab/bench/times.h"
+#include "mien/core/files.h"
+
+namespace mien::lab {
+namespace {
+
+namespace asio = boost::asio;
+namespace fs = std::filesystem;
+using asio::ip::udp;
+
+/// A headset's, and how many unlike pictures they show, again and again.
+constexpr std::size_t kCameras = 4, kPictures = 8;
+
+struct StartBench {
+  int times = 10;
+  bool json = false;
+};
+
+/// A virtual performer who performs all the while, to one port, whoever listens there.
+class Performer {
+ public:
+  /// Begins, and returns when the first packet has come. Errors: the performance's; not_found (the rig).
+  static Result<std::unique_ptr<Performer>> begin() {
+    MIEN_TRY_ASSIGN(const fs::path rig, find_resource("rigs/default.toml"));
+    asio::io_context io;
+    udp::socket received = loopback(io);
+    auto performer = std::unique_ptr<Performer>(new Performer(rig, received.local_endpoint().port()));
+    std::array<std::byte, 2048> packet{};
+    received.non_blocking(true);
+    boost::system::error_code code;
+    while (!performer->over_ && received.receive(asio::buffer(packet), 0, code) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (performer->over_) return std::unexpected(performer->performed_.error());
+    return performer;
+  }
+
+  [[nodiscard]] const std::string& address() const { return address_; }
+
+ private:
+  Performer(const fs::path& rig, std::uint16_t port) : address_(fmt::format("udp://127.0.0.1:{}", port)) {
+    performing_ = std::jthread([this, rig](const std::stop_token& stop) {
+      virt::StageRequest performance;
+      performance.script = performer::default_script(performer::Block::mixed, 60);
+      performance.script_name = "mixed";
+      performance.rig = rig;
+      app::NetworkOptions network;
+      network.to = address_;
+      network.wait_s = 0;
+      network.loop = true;
+      network.title = "";
+      network.enough = [&stop](std::size_t) { return stop.stop_requested(); };
+      performed_ = app::perform_to_network(performance, network);
+      over_ = true;
+    });
+  }
+
+  std::string address_;
+  Result<app::NetworkSummary> performed_ =
+      fail(ErrorCode::internal, "the performance ended early", "bench start");
+  std::atomic<bool> over_ = false;
+  std::jthread performing_;
+};
+
+/// One start of a session.
+struct Start {
+  double took_s = 0;
+  double peak_memory_mb = 0;
+};
+
+/// Starts a session as a process of its own and waits for the first packet that it sends.
+Result<Start> start_session(std::vector<std::string> command) {
+  asio::io_context io;
+  udp::socket face = loopback(io);
+  command.insert(command.end(),
+                 {"--out", fmt::format("livelink://127.0.0.1:{}", face.local_endpoint().port())});
+  std::optional<Clock::time_point> first;
+  face.non_blocking(true);
+  const auto from = Clock::now();
+  std::jthread watching([&](const std::stop_token& stop) {
+    std::array<std::byte, 2048> packet{};
+    boost::system::error_code code;
+    while (!stop.stop_requested() && face.receive(asio::buffer(packet), 0, code) == 0)
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    if (!stop.stop_requested()) first = Clock::now();
+  });
+  const auto said = app::run_child(command);
+  watching.request_stop();
+  watching.join();
+  if (!said) return std::unexpected(said.error());
+  if (!said->succeeded() || !first)
+    return fail(ErrorCode::internal,
+                said->complaints.empty() ? "the session sent no frame" : said->complaints, "bench start");
+  const app::Json summary = app::Json::parse(said->out, nullptr, false);
+  return Start{to_seconds(*first - from), summary.value("peak_memory_mb", 0.0)};
+}
+
+app::Json start_figures(const std::vector<Start>& starts) {
+  std::vector<double> took_s;
+  for (const Start& start : starts) took_s.push_back(start.took_s);
+  app::Json all = times_ms(took_s);
+  all["peak_memory_mb"] = std::ranges::max(starts | std::views::transform(&Start::peak_memory_mb));
+  return all;
+}
+
+Result<void> run_start_bench(const StartBench& options) {
+  MIEN_TRY_ASSIGN(const fs::path program, running_program());
+  MIEN_TRY_ASSIGN(const auto performer, Performer::begin());
+  const auto session = [&](const char* page) {
+    return start_session(
+        {program.string(), "live", "--listen", performer->address(), "--page", page, "--for", "1", "--json"});
+  };
+  MIEN_TRY_ASSIGN(const fs::path headset, find_resource("rigs/headset.toml"));
+  const Pictures pictures = made_up_pictures(kPictures);
+  MIEN_TRY_ASSIGN(const auto cameras, GoodCameras::open(pictures, kCameras));
+  std::vector<std::string> of_cameras = {program.string(), "live",  "--rig", headset.string(), "--page",
+                                         "127.0.0.1:0",    "--for", "1",     "--json"};
+  for (std::size_t c = 0; c < kCameras; ++c)
+    of_cameras.insert(of_cameras.end(), {"--listen", cameras->address(c)});
+  std::vector<Start> with_page, without_page, with_cameras;
+  std::vector<double> nothing_s;
+  const Progress progress = app::terminal_progress("bench start");
+  // They take turns. The first of each is not counted: after it the program is in memory.
+  for (int round = 0; round <= options.times; ++round) {
+    const auto from = Clock::now();
+    MIEN_TRY(app::run_child({program.string(), "--version"}));
+    const double loaded_s = seconds_since(from);
+    MIEN_TRY_ASSIGN(const Start without, session("off"));
+    MIEN_TRY_ASSIGN(const Start with, session("127.0.0.1:0"));
+    MIEN_TRY_ASSIGN(const Start watched, start_session(of_cameras));
+    if (round > 0) {
+      nothing_s.push_back(loaded_s);
+      without_page.push_back(without);
+      with_page.push_back(with);
+      with_cameras.push_back(watched);
+    }
+    if (!progress(static_cast<double>(round) / options.times, fmt::format("start {}", round)))
+      return fail(ErrorCode::cancelled, "stopped", "bench start");
+  }
+  app::clear_progress();
+  const app::Json measured = {{"without_page", start_figures(without_page)},
+                              {"with_page", start_figures(with_page)},
+                              {"with_cameras", start_figures(with_cameras)},
+                              {"program_alone", times_ms(nothing_s)},
+                              {"starts", options.times}};
+  if (options.json) {
+    app::print_json(measured);
+    return {};
+  }
+  const auto line = [&](const char* what, const app::Json& f) {
+    fmt::print("{:<40} {:7.1f} {:7.1f}", what, f["median_ms"].get<double>(), f["worst_ms"].get<double>());
+    fmt::print("{}\n", f.contains("peak_memory_mb")
+                           ? fmt::format(" {:7.1f}", f["peak_memory_mb"].get<double>())
+                           : "");
+  };
+  fmt::print("{:<40} {:>7} {:>7} {:>7}\n", fmt::format("{} starts of each", options.times), "ms", "worst",
+             "MB");
+  line("mien live, to its first frame", measured["with_page"]);
+  line("the same with --page off", measured["without_page"]);
+  line("with four cameras instead, and the page", measured["with_cameras"]);
+  line("mien --version, to its end", measured["program_alone"]);
+  return {};
+}
+
+}  // namespace
+
+void add_start_bench(app::Commands& commands, app::Command bench) {
+  auto options = std::make_shared<StartBench>();
+  const app::Command start = commands.add_under(
+      bench, "start",
+      "How long `mien live` takes from its start to the first frame that it sends, and how much memory, as a "
+      "process of its own while a performer performs; the same of a headset, whose four cameras are asked; "
+      "beside them what loading the program takes",
+      "mien bench start --times 20 --json", [options] { return run_start_bench(*options); });
+  start.add_option("--times", options->times, "How often each is started").in_range(1, 1000).show_default();
+  start.add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::lab

@@ -1,0 +1,257 @@
+#include <utility>  // Before Asio 1.74, which forgets it.
+
+#include "lab/bench/benchmarks.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <atomic>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <chrono>
+#include <cstring>
+#include <memory>
+#include <thread>
+
+#include "app/command.h"
+#include "app/json_output.h"
+#include "app/live/live_session.h"
+#include "app/live/perform_network.h"
+#include "app/live/running_session.h"
+#include "lab/bench/bench_attack.h"
+#include "lab/bench/bench_causal.h"
+#include "lab/bench/bench_headset.h"
+#include "lab/bench/bench_onnxruntime.h"
+#include "lab/bench/bench_render.h"
+#include "lab/bench/bench_shaping.h"
+#include "lab/bench/bench_speech.h"
+#include "lab/bench/bench_start.h"
+#include "lab/bench/clock.h"
+#include "lab/bench/loopback.h"
+#include "mien/core/files.h"
+#include "mien/live/latency.h"
+
+namespace mien::lab {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+
+struct BenchOptions {
+  double seconds = 20;
+  std::string model;
+  bool json = false;
+};
+
+/// Wakes who receives there: one byte is the end.
+void end_receiving(const udp::endpoint& there) {
+  try {
+    asio::io_context io;
+    const std::byte end{};
+    loopback(io).send_to(asio::buffer(&end, 1), there);
+  } catch (const boost::system::system_error&) {  // Then it hears nothing more anyway.
+  }
+}
+
+/// What the network and the scheduler take by themselves: a datagram through loopback to a thread that does
+/// nothing but send it on, sixty times a second, as the session's are.
+class Relay {
+ public:
+  Relay()
+      : in_(loopback(io_)),
+        out_(loopback(io_)),
+        in_end_(in_.local_endpoint()),
+        out_end_(out_.local_endpoint()) {
+    relay_ = std::jthread([this] { relay(); });
+    sender_ = std::jthread([this] { send(); });
+  }
+  ~Relay() { stop(); }
+
+  live::Latencies stop() {
+    stopping_ = true;
+    end_receiving(out_end_);  // Nothing may be on its way back, when a socket has failed.
+    if (sender_.joinable()) sender_.join();
+    end_receiving(in_end_);
+    if (relay_.joinable()) relay_.join();
+    return took_;
+  }
+
+ private:
+  void relay() {
+    std::array<std::byte, 512> bytes{};
+    boost::system::error_code failed;
+    while (!failed) {
+      const std::size_t size = in_.receive(asio::buffer(bytes), 0, failed);
+      if (failed || size <= 1) return;
+      in_.send_to(asio::buffer(bytes.data(), size), out_end_, 0, failed);
+    }
+  }
+  void send() {
+    // A Live Link frame's size.
+    std::array<std::byte, 310> bytes{};
+    auto next = Clock::now();
+    while (!stopping_) {
+      next += std::chrono::nanoseconds(16'666'667);
+      std::this_thread::sleep_until(next);
+      const auto from = Clock::now();
+      boost::system::error_code failed;
+      out_.send_to(asio::buffer(bytes), in_end_, 0, failed);
+      if (!failed && out_.receive(asio::buffer(bytes), 0, failed) <= 1) return;
+      if (failed) return;  // The figures say how many there were.
+      took_.add(Clock::now() - from);
+    }
+  }
+
+  asio::io_context io_;
+  udp::socket in_, out_;
+  udp::endpoint in_end_, out_end_;
+  std::atomic<bool> stopping_ = false;
+  live::Latencies took_;
+  std::jthread relay_, sender_;
+};
+
+app::Json latency_figures(const live::Latencies& took) {
+  const auto ms = [](Duration d) { return 1e3 * to_seconds(d); };
+  return {{"p50_ms", ms(took.percentile(0.5))},
+          {"p99_ms", ms(took.percentile(0.99))},
+          {"max_ms", ms(took.largest())},
+          {"count", took.count()}};
+}
+
+Result<void> run_bench_live(const BenchOptions& options) {
+  // Somebody receives the face, and counts.
+  asio::io_context io;
+  udp::socket receiver = loopback(io);
+  std::atomic<std::uint64_t> received = 0;
+  std::jthread receiving([&] {
+    std::array<std::byte, 2048> bytes{};
+    boost::system::error_code failed;
+    while (receiver.receive(asio::buffer(bytes), 0, failed) > 1 && !failed) ++received;
+  });
+
+  app::LiveRequest request;
+  request.model = options.model;
+  request.listen = {"udp://127.0.0.1:0"};
+  request.out = {fmt::format("livelink://127.0.0.1:{}", receiver.local_endpoint().port())};
+  request.page = "off";
+  const auto measure = [&]() -> Result<app::Json> {
+    MIEN_TRY_ASSIGN(const app::LiveSession session, app::open_live(request));
+    app::RunningSession running(*session.engine);
+    Relay relay;
+
+    virt::StageRequest performance;
+    performance.script = performer::default_script(performer::Block::mixed, options.seconds);
+    performance.script_name = "mixed";
+    app::NetworkOptions network;
+    network.to = session.engine->listening().front();
+    Result<app::NetworkSummary> performed = fail(ErrorCode::internal, "nothing was performed");
+    const auto rig = find_resource("rigs/default.toml");
+    if (rig) {
+      performance.rig = *rig;
+      performed = app::perform_to_network(performance, network);
+    }
+    const live::Latencies network_took = relay.stop();
+    const auto summary = running.finish();
+    if (!performed) return std::unexpected(performed.error());
+    if (!summary) return std::unexpected(summary.error());
+    const live::Latencies& took = summary->latency;
+    return app::Json{
+        {"live", latency_figures(took)},
+        {"network", latency_figures(network_took)},
+        {"vs_network_p50", to_seconds(took.percentile(0.5)) / to_seconds(network_took.percentile(0.5))},
+        {"vs_network_p99", to_seconds(took.percentile(0.99)) / to_seconds(network_took.percentile(0.99))},
+        {"frames", summary->frames},
+        {"missed", summary->missed},
+        {"received", received.load()},
+        {"packets", performed->packets},
+        {"kernels", summary->kernels},
+        {"hash", summary->hash}};
+  };
+  const Result<app::Json> measured = [&]() -> Result<app::Json> {
+    try {
+      return measure();
+    } catch (const std::exception& error) {  // Who receives is to be told, too.
+      return fail(ErrorCode::internal, error.what(), "bench live");
+    }
+  }();
+  end_receiving(receiver.local_endpoint());
+  receiving.join();
+  if (!measured) return std::unexpected(measured.error());
+  app::clear_progress();
+  if (options.json) {
+    app::print_json(*measured);
+    return {};
+  }
+  const auto line = [](const char* what, const app::Json& f) {
+    fmt::print("{:<44} {:7.3f} {:7.3f} {:7.3f}\n", what, f["p50_ms"].get<double>(), f["p99_ms"].get<double>(),
+               f["max_ms"].get<double>());
+  };
+  fmt::print("{:<44} {:>7} {:>7} {:>7}   ms\n", "", "p50", "p99", "max");
+  line("last sample in to the sink's packet out", (*measured)["live"]);
+  line("a thread that only sends datagrams on", (*measured)["network"]);
+  fmt::print("{} frames, {} missed, {} received; kernels {}, hash {}\n",
+             (*measured)["frames"].get<std::uint64_t>(), (*measured)["missed"].get<std::uint64_t>(),
+             received.load(), (*measured)["kernels"].get<std::string>(),
+             (*measured)["hash"].get<std::string>());
+  return {};
+}
+
+}  // namespace
+
+void add_benchmarks(app::Commands& commands) {
+  auto options = std::make_shared<BenchOptions>();
+  const app::Command bench = commands.add(
+      "bench", "How fast it is on this machine, beside what it is compared with", "mien bench live", nullptr);
+  bench.require_commands(0, 1);
+  const app::Command live = commands.add_under(
+      bench, "live",
+      "From the arrival of the last sample of a frame to the packet that leaves, with a virtual performer on "
+      "real sockets; beside it what loopback and the scheduler take by themselves",
+      "mien bench live --seconds 20 --json", [options] { return run_bench_live(*options); });
+  live.add_option("--seconds", options->seconds, "How long the performer performs")
+      .number_between(2.0, 3600.0)
+      .show_default();
+  live.add_option("--model", options->model, "The live model (default: models/live.safetensors)");
+  live.add_flag("--json", options->json, "Print one JSON object");
+  add_start_bench(commands, bench);
+  add_attack_bench(commands, bench);
+  add_render_bench(commands, bench);
+  add_shaping_bench(commands, bench);
+  add_speech_bench(commands, bench);
+  add_onnxruntime_bench(commands, bench);
+
+  auto asked = std::make_shared<CausalBench>();
+  const app::Command causal = commands.add_under(
+      bench, "causal",
+      "The live model alone: a whole frame paced at 60 a second with cold caches, a step in a hot loop "
+      "beside other "
+      "run times, and how many performers one core carries, beside the core's measured peak",
+      "mien bench causal --precision int8 --json", [asked] { return run_causal_bench(*asked); });
+  causal.add_option("--precision", asked->precision, "What its linear layers multiply in: fp32, bf16 or int8")
+      .show_default();
+  causal.add_option("--frames", asked->frames, "Frames of a 60th of a second")
+      .in_range(1, 1'000'000)
+      .show_default();
+  causal.add_option("--model", asked->model, "The live model (default: models/live.safetensors)");
+  causal.add_flag("--no-peers", asked->no_peers, "Do not run ONNX Runtime and libtorch beside it");
+  causal.add_flag("--json", asked->json, "Print one JSON object");
+
+  auto headset = std::make_shared<HeadsetBench>();
+  const app::Command cameras =
+      commands.add_under(bench, "headset",
+                         "A headset's four views of 96 x 96 pixels through the networks of pictures, with "
+                         "random weights, in each "
+                         "precision: paced at 60 a second with cold caches and in a hot loop, beside ONNX "
+                         "Runtime and the core's "
+                         "measured peak",
+                         "mien bench headset --json", [headset] { return run_headset_bench(*headset); });
+  cameras.add_option("--frames", headset->frames, "Paced frames of a 60th of a second, in each precision")
+      .in_range(1, 1'000'000)
+      .show_default();
+  cameras.add_option("--seed", headset->seed, "Of the weights and the pictures").show_default();
+  cameras.add_flag("--no-peers", headset->no_peers, "Do not run ONNX Runtime beside it");
+  cameras.add_flag("--json", headset->json, "Print one JSON object");
+}
+
+}  // namespace mien::lab

@@ -1,0 +1,218 @@
+#include "lab/commands/study_sensors.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "app/chosen_face.h"
+#include "app/json_output.h"
+#include "app/performance.h"
+#include "app/seed_option.h"
+#include "lab/eyewear/error_picture.h"
+#include "lab/eyewear/minute_study.h"
+#include "lab/eyewear/sensors_report.h"
+#include "lab/eyewear/sensors_study.h"
+#include "mien/builtin_face/markers.h"
+#include "mien/eyewear/light_grid.h"
+#include "mien/eyewear/marker_network.h"
+#include "mien/sensor/rig.h"
+
+namespace mien::lab {
+namespace {
+
+struct StudySensorsOptions {
+  SensorsRequest request;
+  std::string rig;
+  std::string markers;
+  std::string model;
+  std::string face;
+  std::vector<std::string> motions;
+  std::string out;
+  bool json = false;
+};
+
+/// Of the whole study's time.
+constexpr double kFaithfulShare = 0.5;
+/// Where the colours of the picture end.
+constexpr double kPictureScaleMm = 8;
+
+app::Json to_json(const SensorsRow& row) {
+  return {{"mean_mm", row.all.mean_mm},
+          {"rmse_mm", row.all.rmse_mm},
+          {"eyes_mm", row.eyes_nose.mean_mm},
+          {"mouth_mm", row.mouth.mean_mm},
+          {"eyes_rmse_mm", row.eyes_nose.rmse_mm},
+          {"mouth_rmse_mm", row.mouth.rmse_mm}};
+}
+
+app::Json to_json(const SensorsMethod& method, const std::vector<std::string>& markers) {
+  app::Json out = to_json(method.overall);
+  out["sensors"] = method.sensors;
+  out["wearers"] = app::Json::array();
+  for (const SensorsRow& row : method.wearers) out["wearers"].push_back(to_json(row));
+  for (std::size_t s = 0; s < kTestSets; ++s)
+    out["sets"][std::string(test_set_name(static_cast<TestSet>(s)))] = to_json(method.sets[s]);
+  out["tests"] = app::Json::array();
+  for (const SensorsRow& row : method.tests) out["tests"].push_back(to_json(row));
+  for (std::size_t m = 0; m < markers.size(); ++m)
+    out["markers"][markers[m]] = {{"mean_mm", method.markers[m].mean_mm},
+                                  {"rmse_mm", method.markers[m].rmse_mm}};
+  return out;
+}
+
+void add_minute(const MinuteStudy& minute, const builtin_face::MarkerSet& markers, app::Json& out) {
+  std::vector<std::string> names;
+  for (const builtin_face::Marker& marker : markers.markers) names.push_back(marker.name);
+  for (const SensorsMethod& method : minute.methods) out["minute"][method.name] = to_json(method, names);
+  for (const SensorsMethod& method : minute.conditions)
+    out["minute"]["conditions"][method.name] = to_json(method, names);
+}
+
+void print_sensors_study(const SensorsStudy& study, const MinuteStudy& minute,
+                         const builtin_face::MarkerSet& markers, const StudySensorsOptions& options) {
+  app::Json out = {
+      {"rig", options.rig}, {"wearers", options.request.wearers}, {"seed", options.request.seed}};
+  for (const SensorsMethod* method : {&study.faithful, &study.faithful16, &study.mean_pose})
+    out[method->name] = to_json(*method, study.markers);
+  add_minute(minute, markers, out);
+  out["training"] = app::Json::array();
+  for (const SensorsTraining& training : study.training)
+    out["training"].push_back(
+        {{"samples", training.samples}, {"outliers", training.outliers}, {"share", training.share}});
+  app::print_json(out);
+}
+
+void print_sensors_row(const std::string& name, const SensorsRow& row) {
+  fmt::print("{:<24} {:7.2f} {:7.2f} {:11.2f} {:7.2f}\n", name, row.all.mean_mm, row.all.rmse_mm,
+             row.eyes_nose.mean_mm, row.mouth.mean_mm);
+}
+
+std::string title_of(const SensorsMethod& method) {
+  return method.sensors > 0 ? fmt::format("{}, {} sensors", method.name, method.sensors) : method.name;
+}
+
+void print_sensors_table(const SensorsStudy& study, const MinuteStudy& minute) {
+  fmt::print("{:<24} {:>7} {:>7} {:>11} {:>7}\n", "mm", "mean", "RMSE", "eyes, nose", "mouth");
+  for (const SensorsMethod* method : {&study.faithful, &study.faithful16, &study.mean_pose})
+    print_sensors_row(title_of(*method), method->overall);
+  fmt::print("\nafter one minute\n");
+  for (const auto* methods : {&minute.methods, &minute.conditions})
+    for (const SensorsMethod& method : *methods) print_sensors_row(title_of(method), method.overall);
+  fmt::print("\n{:<24} {:>7} {:>7} {:>11} {:>7}\n", "faithful, by wearer", "", "", "", "");
+  for (std::size_t w = 0; w < study.faithful.wearers.size(); ++w)
+    print_sensors_row(
+        fmt::format("{}, {} of {} out", w + 1, study.training[w].outliers, study.training[w].samples),
+        study.faithful.wearers[w]);
+  fmt::print("\nby expressions\n");
+  for (std::size_t s = 0; s < kTestSets; ++s)
+    print_sensors_row(std::string(test_set_name(static_cast<TestSet>(s))), study.faithful.sets[s]);
+  fmt::print("\n{:<24} {:>7} {:>7} {:>11} {:>7}\n", "by marker, mean", "faithf.", "16", "knowing 0", "");
+  for (std::size_t m = 0; m < study.markers.size(); ++m)
+    fmt::print("{:<24} {:7.2f} {:7.2f} {:11.2f}\n", fmt::format("{} {}", m + 1, study.markers[m]),
+               study.faithful.markers[m].mean_mm, study.faithful16.markers[m].mean_mm,
+               study.mean_pose.markers[m].mean_mm);
+}
+
+/// The learned method alone, on another face or in others' performances.
+Result<void> run_scene(const StudySensorsOptions& options, const sensor::Rig& rig,
+                       const builtin_face::MarkerSet& markers, const eyewear::MarkerNetworkFile& model) {
+  MinuteScene scene;
+  if (!options.face.empty()) {
+    MIEN_TRY_ASSIGN(scene.face, app::chosen_face(options.face, app::terminal_progress("face")));
+  }
+  for (const std::string& path : options.motions) {
+    MIEN_TRY_ASSIGN(app::Performance performance, app::load_performance(path));
+    scene.motions.push_back(std::move(performance.motion));
+    scene.motions.back().name = std::filesystem::path(path).filename().string();
+  }
+  MIEN_TRY_ASSIGN(const MinuteStudy minute, study_minute(options.request, rig, markers, model, scene,
+                                                         app::terminal_progress("sensors")));
+  app::clear_progress();
+  if (options.json) {
+    app::Json out = {{"face", options.face}, {"seed", options.request.seed}, {"motions", options.motions}};
+    add_minute(minute, markers, out);
+    app::print_json(out);
+    return {};
+  }
+  fmt::print("{:<24} {:>7} {:>7} {:>11} {:>7}\n", "mm, after one minute", "mean", "RMSE", "eyes, nose",
+             "mouth");
+  for (const auto* methods : {&minute.methods, &minute.conditions})
+    for (const SensorsMethod& method : *methods) print_sensors_row(title_of(method), method.overall);
+  for (std::size_t m = 0; m < scene.motions.size(); ++m) {
+    fmt::print("\n{}\n", scene.motions[m].name);
+    for (const SensorsMethod& method : minute.methods) print_sensors_row(title_of(method), method.tests[m]);
+  }
+  return {};
+}
+
+Result<void> run_study_sensors(StudySensorsOptions options) {
+  if (!options.out.empty()) MIEN_TRY(app::check_output(options.out, {".html"}));
+  MIEN_TRY_ASSIGN(options.rig, app::path_or(options.rig, "rigs/eyewear.toml"));
+  MIEN_TRY_ASSIGN(options.markers, app::path_or(options.markers, "rigs/markers.toml"));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
+  if (eyewear::photo_sensors(rig).empty())
+    return fail(ErrorCode::mismatch, "the rig has no photo-reflective sensors", options.rig,
+                "use one of glasses, such as rigs/eyewear.toml");
+  MIEN_TRY_ASSIGN(const builtin_face::MarkerSet markers, builtin_face::read_markers(options.markers));
+  MIEN_TRY_ASSIGN(options.model, app::path_or(options.model, "models/eyewear.safetensors"));
+  MIEN_TRY_ASSIGN(const eyewear::MarkerNetworkFile model, eyewear::read_marker_network(options.model));
+  if (!options.face.empty() || !options.motions.empty()) return run_scene(options, rig, markers, model);
+  const Progress shown = app::terminal_progress("sensors");
+  MIEN_TRY_ASSIGN(const SensorsStudy study,
+                  study_sensors(options.request, rig, markers, [&](double part, std::string_view what) {
+                    return shown(kFaithfulShare * part * 0.999, what);
+                  }));
+  MIEN_TRY_ASSIGN(
+      const MinuteStudy minute,
+      study_minute(options.request, rig, markers, model, {}, [&](double part, std::string_view what) {
+        return shown(kFaithfulShare + (1 - kFaithfulShare) * part, what);
+      }));
+  app::clear_progress();
+  const std::string subtitle =
+      fmt::format("{} virtual wearers, seed {}", options.request.wearers, options.request.seed);
+  if (!options.out.empty()) {
+    const std::array<const SensorsMethod*, 3> shown_methods = {&study.mean_pose, &study.faithful,
+                                                               &minute.learned()};
+    MIEN_TRY_ASSIGN(const render::Image picture, error_picture(markers, shown_methods, kPictureScaleMm));
+    MIEN_TRY_ASSIGN(const measure::Report report, sensors_report(study, minute, subtitle, picture));
+    MIEN_TRY(report.write(options.out));
+  }
+  if (options.json) {
+    options.rig = rig.name;
+    print_sensors_study(study, minute, markers, options);
+    return {};
+  }
+  fmt::print("Markers from photo-reflective eyewear: {}\n\n", subtitle);
+  print_sensors_table(study, minute);
+  if (!options.out.empty()) fmt::print("report: {}\n", options.out);
+  return {};
+}
+
+}  // namespace
+
+void add_study_sensors(app::Commands& commands, app::Command study) {
+  auto options = std::make_shared<StudySensorsOptions>();
+  const app::Command command = commands.add_under(
+      study, "sensors", "How well photo-reflective eyewear locates markers on the face",
+      "mien study sensors --wearers 3 --out sensors.html", [options] { return run_study_sensors(*options); });
+  command.add_option("--rig", options->rig, "Eyewear rig (default: rigs/eyewear.toml)");
+  command.add_option("--markers", options->markers, "Markers of the truth (default: rigs/markers.toml)");
+  command.add_option("--model", options->model,
+                     "The learned method's model (default: models/eyewear.safetensors)");
+  command.add_option("--face", options->face,
+                     "Another wearer, for the learned method alone: an ICT-FaceKit folder, a .glb or .vrm");
+  command.add_option("--motion", options->motions,
+                     "A performance to test on instead of the protocol's expressions, for the learned method "
+                     "alone: a Live Link Face CSV or a take; may be given often");
+  command.add_option("--wearers", options->request.wearers, "Virtual wearers")
+      .in_range(1, 1000)
+      .show_default();
+  app::add_seed_option(command, options->request.seed, "Of the wearers, their glasses and what they do");
+  command.add_option("--out", options->out, "Write a self-contained HTML page with tables and curves");
+  command.add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::lab

@@ -1,0 +1,120 @@
+#include "lab/eyewear/sensors_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace mien::lab {
+namespace {
+
+constexpr std::size_t kCurvePoints = 6000;  // Enough to zoom into.
+
+std::string mm(double value) {
+  return fmt::format("{:.2f}", value);
+}
+
+std::vector<std::string> cells(const std::string& name, const SensorsRow& row) {
+  return {name, mm(row.all.mean_mm), mm(row.all.rmse_mm), mm(row.eyes_nose.mean_mm), mm(row.mouth.mean_mm)};
+}
+
+measure::Table overview(const SensorsStudy& study) {
+  measure::Table table;
+  table.caption = "Error of the markers, mm, beside the published one";
+  table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
+  for (const SensorsMethod* method : {&study.faithful, &study.faithful16}) {
+    const PublishedSensors& published = method == &study.faithful ? kPublished20 : kPublished16;
+    table.rows.push_back(
+        cells(fmt::format("published method, {} sensors", method->sensors), method->overall));
+    table.rows.push_back(
+        {"as published", mm(published.mean_mm), "-", mm(published.eyes_mm), mm(published.mouth_mm)});
+  }
+  table.rows.push_back(cells("mean pose", study.mean_pose.overall));
+  table.strong_rows = {0};
+  return table;
+}
+
+measure::Table minute_table(const MinuteStudy& minute) {
+  measure::Table table;
+  table.caption = "After one minute of the wearer's own, without motion capture but for \"linear\", mm";
+  table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
+  for (const auto* methods : {&minute.methods, &minute.conditions})
+    for (const SensorsMethod& method : *methods) table.rows.push_back(cells(method.name, method.overall));
+  table.strong_rows = {2};
+  return table;
+}
+
+measure::Table wearers(const SensorsStudy& study) {
+  measure::Table table;
+  table.caption = "By wearer and by expressions, all sensors, mm";
+  table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
+  for (std::size_t w = 0; w < study.faithful.wearers.size(); ++w)
+    table.rows.push_back(cells(fmt::format("wearer {}: {} of {} samples rejected", w + 1,
+                                           study.training[w].outliers, study.training[w].samples),
+                               study.faithful.wearers[w]));
+  for (std::size_t s = 0; s < kTestSets; ++s)
+    table.rows.push_back(
+        cells(fmt::format("set {}", test_set_name(static_cast<TestSet>(s))), study.faithful.sets[s]));
+  return table;
+}
+
+measure::BarPlot by_marker(const SensorsStudy& study, const MinuteStudy& minute) {
+  measure::BarPlot plot;
+  plot.title = "Mean error of each marker";
+  plot.value_label = "mm";
+  plot.series = {"published method", "without the ear hooks", "mean pose", "learned, one minute"};
+  for (std::size_t m = 0; m < study.markers.size(); ++m)
+    plot.groups.push_back({fmt::format("{}", m + 1),
+                           {study.faithful.markers[m].mean_mm, study.faithful16.markers[m].mean_mm,
+                            study.mean_pose.markers[m].mean_mm, minute.learned().markers[m].mean_mm},
+                           {}});
+  return plot;
+}
+
+measure::LinePlot curve(const SensorsStudy& study) {
+  measure::LinePlot plot;
+  plot.title = "Error over all markers through the first wearer's tests";
+  plot.x_label = "time (s)";
+  plot.y_label = "mean error (mm)";
+  measure::Line line{"all sensors", {}, {}};
+  const std::size_t every = std::max<std::size_t>(1, study.curve_s.size() / kCurvePoints);
+  for (std::size_t i = 0; i < study.curve_s.size(); i += every) {
+    line.x.push_back(study.curve_s[i]);
+    line.y.push_back(study.curve_mm[i]);
+  }
+  plot.lines.push_back(std::move(line));
+  plot.y_low = 0;
+  return plot;
+}
+
+}  // namespace
+
+Result<measure::Report> sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
+                                       const std::string& subtitle, const render::Image& picture) {
+  measure::Report report("Markers from photo-reflective eyewear", subtitle);
+  report.key_figures({{"Mean error", mm(study.faithful.overall.all.mean_mm) + " mm",
+                       fmt::format("published {} mm", mm(kPublished20.mean_mm))},
+                      {"Eyes and nose", mm(study.faithful.overall.eyes_nose.mean_mm) + " mm",
+                       fmt::format("published {} mm", mm(kPublished20.eyes_mm))},
+                      {"Mouth", mm(study.faithful.overall.mouth.mean_mm) + " mm",
+                       fmt::format("published {} mm", mm(kPublished20.mouth_mm))}});
+  report.table(overview(study));
+  report.table(minute_table(minute));
+  if (picture.width > 0) {
+    MIEN_TRY_ASSIGN(const std::vector<std::byte> png, render::encode_png(picture));
+    report.image(png,
+                 "Mean error of each marker as colour on the face, and between markers what lies between");
+  }
+  report.bars(by_marker(study, minute));
+  measure::Table names;
+  names.caption = "Markers by number";
+  names.columns = {"", "marker"};
+  for (std::size_t m = 0; m < study.markers.size(); ++m)
+    names.rows.push_back({fmt::format("{}", m + 1), study.markers[m]});
+  report.plot(curve(study));
+  report.table(wearers(study));
+  report.table(names);
+  return report;
+}
+
+}  // namespace mien::lab

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include "lab/eyewear/minute_study.h"
+#include "lab/eyewear/sensors_study.h"
+#include "mien/measure/report.h"
+#include "mien/render/image.h"
+
+namespace mien::lab {
+
+/// What Asano et al. 2017 (section 5.2) published, mm: averages over three participants.
+struct PublishedSensors {
+  double mean_mm;
+  double eyes_mm;
+  double mouth_mm;
+};
+inline constexpr PublishedSensors kPublished20{3.19, 1.81, 5.21};
+inline constexpr PublishedSensors kPublished16{3.95, 1.89, 6.97};
+
+/// The study as one page: beside the published figures, by region, wearer, set and marker, as colour on the
+/// face, and the error as it goes on through the tests. `subtitle` says whose numbers these are, `picture` is
+/// error_picture()'s; one without pixels is left out. Errors: the picture's encoder.
+[[nodiscard]] Result<measure::Report> sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
+                                                     const std::string& subtitle,
+                                                     const render::Image& picture);
+
+}  // namespace mien::lab

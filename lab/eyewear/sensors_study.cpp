@@ -1,0 +1,261 @@
+#include "lab/eyewear/sensors_study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "mien/eyewear/block_median.h"
+#include "mien/eyewear/linearise.h"
+#include "mien/eyewear/marker_model.h"
+#include "mien/face/motion.h"
+#include "mien/mocap/outliers.h"
+#include "mien/performer/mimic.h"
+#include "mien/virtual/eyewear/eyewear_faults.h"
+#include "mien/virtual/eyewear/eyewear_simulator.h"
+#include "mien/virtual/eyewear/eyewear_wearer.h"
+#include "mien/virtual/eyewear/marker_capture.h"
+#include "mien/virtual/eyewear/marker_poses.h"
+#include "mien/virtual/performers.h"
+
+namespace mien::lab {
+namespace {
+
+using eyewear::MarkerModel;
+using face::BlendshapeWeights;
+
+/// One window of ten on-off pairs, as a host sees it, and what was there.
+struct Recorded {
+  Eigen::MatrixXd distances_m;  ///< Samples x sensors, linearised.
+  Eigen::MatrixXd truth_m;      ///< Samples x 3V, true.
+  Eigen::MatrixXd captured_m;   ///< The same as motion capture has it; empty where nobody asks.
+};
+
+/// The glasses on a wearer, and how their light is told in metres.
+class Recorder {
+ public:
+  static Result<Recorder> make(virt::EyewearSimulator& simulator, std::size_t sensors,
+                               const builtin_face::PlacedMarkers& markers) {
+    Recorder recorder(simulator, markers);
+    for (std::size_t s = 0; s < sensors; ++s) {
+      MIEN_TRY_ASSIGN(recorder.lines_.emplace_back(), eyewear::Linearisation::fit(simulator.bench(s)));
+    }
+    recorder.medians_.resize(sensors);
+    return recorder;
+  }
+
+  [[nodiscard]] double window_s() const {
+    return static_cast<double>(eyewear::kMedianSamples) * simulator_->pair_period_s();
+  }
+
+  /// Windows that begin at these times of the motion, which itself began at `offset_s` of the wearer's day.
+  Recorded record(const face::Motion& motion, std::span<const double> begins_s, double offset_s,
+                  virt::MarkerCapture* capture) {
+    const face::MotionCurve curve(motion);
+    const auto rows = static_cast<Eigen::Index>(begins_s.size());
+    Recorded out;
+    out.distances_m.resize(rows, static_cast<Eigen::Index>(lines_.size()));
+    out.truth_m.resize(rows, 3 * static_cast<Eigen::Index>(markers_->count()));
+    if (capture != nullptr) out.captured_m.resize(rows, out.truth_m.cols());
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const double begin_s = begins_s[static_cast<std::size_t>(i)];
+      const BlendshapeWeights from = curve.at(begin_s).weights;
+      const BlendshapeWeights to = curve.at(begin_s + window_s()).weights;
+      for (const sensor::Sample& sample :
+           simulator_->play(offset_s + begin_s, static_cast<int>(eyewear::kMedianSamples), from, to))
+        if (const auto light = medians_[sample.sensor].add(sample.values[0] - sample.values[1]))
+          out.distances_m(i, sample.sensor) = lines_[sample.sensor].distance_m(double{*light});
+      const Eigen::VectorXd truth_m = markers_->at(curve.at(begin_s + 0.5 * window_s()).weights);
+      out.truth_m.row(i) = truth_m.transpose();
+      if (capture != nullptr)
+        out.captured_m.row(i) = capture->capture(offset_s + begin_s, truth_m).transpose();
+    }
+    return out;
+  }
+
+ private:
+  Recorder(virt::EyewearSimulator& simulator, const builtin_face::PlacedMarkers& markers)
+      : simulator_(&simulator), markers_(&markers) {}
+
+  virt::EyewearSimulator* simulator_;
+  const builtin_face::PlacedMarkers* markers_;
+  std::vector<eyewear::Linearisation> lines_;
+  std::vector<eyewear::BlockMedian> medians_;
+};
+
+/// What one wearer's training and tests gave.
+struct SensorsOutcome {
+  SensorsTraining training;
+  std::array<std::vector<MarkerSums>, 3> methods;  ///< faithful, faithful16, mean_pose: a test each.
+  std::vector<double> curve_s;
+  std::vector<double> curve_mm;
+};
+
+Eigen::MatrixXd take_rows(const Eigen::MatrixXd& from, const std::vector<std::size_t>& rows,
+                          const std::vector<std::uint16_t>* columns) {
+  const Eigen::Index width = columns != nullptr ? std::ssize(*columns) : from.cols();
+  Eigen::MatrixXd out(std::ssize(rows), width);
+  for (Eigen::Index i = 0; i < out.rows(); ++i)
+    for (Eigen::Index c = 0; c < width; ++c)
+      out(i, c) = from(static_cast<Eigen::Index>(rows[static_cast<std::size_t>(i)]),
+                       columns != nullptr ? (*columns)[static_cast<std::size_t>(c)] : c);
+  return out;
+}
+
+Eigen::MatrixXd estimate(const MarkerModel& model, const Eigen::MatrixXd& sensors) {
+  Eigen::MatrixXd out(sensors.rows(), model.mean().size());
+  for (Eigen::Index i = 0; i < out.rows(); ++i)
+    out.row(i) = model.markers(sensors.row(i).transpose()).transpose();
+  return out;
+}
+
+/// Begins of the windows that training samples are: drawn evenly over the session, by time.
+std::vector<double> draw_begins(const SensorsRequest& request, double window_s, Random random) {
+  std::vector<double> begins(request.samples);
+  const double last_s = std::max(0.0, request.poses * request.pose_s - window_s);
+  for (double& begin_s : begins) begin_s = random.uniform(0, last_s);
+  std::ranges::sort(begins);
+  return begins;
+}
+
+/// How far all wearers are together, in tests; the training counts as much as all tests of a wearer.
+struct SensorsCourse {
+  std::atomic<std::size_t> done = 0;
+  std::atomic<bool> stop = false;
+  /// False when it is to end.
+  bool passed(std::size_t tests) {
+    done += tests;
+    return !stop;
+  }
+};
+
+Result<SensorsOutcome> wear_for_study(const SensorsRequest& request, const sensor::Rig& rig,
+                                      const builtin_face::MarkerSet& markers,
+                                      const virt::EyewearFaults& faults, const virt::MarkerPoses& poses,
+                                      const std::vector<SensorsTest>& tests, std::size_t index,
+                                      SensorsCourse& course) {
+  const auto stopped = [] {
+    return fail(ErrorCode::cancelled, "stopped before all wearers were measured", "study sensors");
+  };
+  const Random root = Random(request.seed).fork("sensors", index);
+  MIEN_TRY_ASSIGN(const virt::EyewearWearer wearer,
+                  virt::draw_eyewear_wearer(rig, faults, root.fork("wearer")));
+  MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed,
+                  builtin_face::PlacedMarkers::place(wearer.face, markers));
+  virt::EyewearSimulator simulator(wearer, faults, root.fork("glasses"));
+  simulator.put_on();
+  MIEN_TRY_ASSIGN(Recorder recorder, Recorder::make(simulator, rig.sensors.size(), placed));
+  virt::MarkerCapture capture(faults, placed.neutral_m(), root.fork("capture"));
+
+  // Training.
+  std::vector<performer::PoseCue> cues;
+  Random drawn = root.fork("targets");
+  for (int p = 0; p < request.poses; ++p) cues.push_back({p * request.pose_s, poses.draw(drawn)});
+  const double training_s = request.poses * request.pose_s;
+  const Recorded training =
+      recorder.record(performer::mimic(cues, training_s, {}, root.fork("training")),
+                      draw_begins(request, recorder.window_s(), root.fork("samples")), 0, &capture);
+  const mocap::Kept kept = mocap::reject_outliers(training.captured_m);
+  const Eigen::MatrixXd learnt = take_rows(training.captured_m, kept.rows, nullptr);
+  std::vector<std::uint16_t> frame_sensors;
+  const std::vector<std::uint16_t> hooks = ear_hook_sensors(rig);
+  for (std::uint16_t s = 0; s < rig.sensors.size(); ++s)
+    if (std::ranges::find(hooks, s) == hooks.end()) frame_sensors.push_back(s);
+  MIEN_TRY_ASSIGN(const MarkerModel all,
+                  MarkerModel::fit(take_rows(training.distances_m, kept.rows, nullptr), learnt));
+  MIEN_TRY_ASSIGN(const MarkerModel without_hooks,
+                  MarkerModel::fit(take_rows(training.distances_m, kept.rows, &frame_sensors), learnt));
+
+  if (!course.passed(tests.size())) return stopped();
+
+  std::vector<std::size_t> every_marker(markers.markers.size());
+  for (std::size_t m = 0; m < every_marker.size(); ++m) every_marker[m] = m;
+  SensorsOutcome out;
+  out.training = {request.samples, kept.rejected, all.share()};
+  // Tests, one after the other, windows without a gap.
+  std::vector<double> begins;
+  for (double begin_s = 0; begin_s + recorder.window_s() <= request.test_s; begin_s += recorder.window_s())
+    begins.push_back(begin_s);
+  for (std::size_t t = 0; t < tests.size(); ++t) {
+    const std::array<performer::PoseCue, 1> cue = {performer::PoseCue{0, tests[t].target}};
+    const double offset_s = training_s + kRestS + static_cast<double>(t) * request.test_s;
+    const Recorded test = recorder.record(performer::mimic(cue, request.test_s, {}, root.fork("test", t)),
+                                          begins, offset_s, nullptr);
+    std::vector<std::size_t> every(begins.size());
+    for (std::size_t i = 0; i < every.size(); ++i) every[i] = i;
+    const Eigen::MatrixXd estimated = estimate(all, test.distances_m);
+    out.methods[0].emplace_back().add(estimated, test.truth_m);
+    out.methods[1].emplace_back().add(
+        estimate(without_hooks, take_rows(test.distances_m, every, &frame_sensors)), test.truth_m);
+    const Eigen::MatrixXd mean_m = all.mean().transpose().replicate(test.truth_m.rows(), 1);
+    out.methods[2].emplace_back().add(mean_m, test.truth_m);
+    for (Eigen::Index i = 0; i < test.truth_m.rows(); ++i) {
+      MarkerSums one;
+      one.add(Eigen::VectorXd(estimated.row(i)), Eigen::VectorXd(test.truth_m.row(i)));
+      out.curve_s.push_back(static_cast<double>(t) * request.test_s + begins[static_cast<std::size_t>(i)]);
+      out.curve_mm.push_back(one.over(every_marker).mean_mm);
+    }
+    if (!course.passed(1)) return stopped();
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::uint16_t> ear_hook_sensors(const sensor::Rig& rig) {
+  std::vector<std::uint16_t> sensors;
+  for (std::uint16_t s = 0; s < rig.sensors.size(); ++s)
+    if (rig.sensors[s].site == "jaw_joint" || rig.sensors[s].site == "lower_jaw") sensors.push_back(s);
+  return sensors;
+}
+
+Result<SensorsStudy> study_sensors(const SensorsRequest& request, const sensor::Rig& rig,
+                                   const builtin_face::MarkerSet& markers, const Progress& progress) {
+  if (request.wearers < 1 || request.poses < 1 || !(request.pose_s > 0) || !(request.test_s >= 1) ||
+      request.samples < rig.sensors.size() + 2)
+    return fail(ErrorCode::bad_usage,
+                "the study needs a wearer, a pose, a second of each test, and more samples than sensors",
+                "study sensors");
+  MIEN_TRY_ASSIGN(const virt::EyewearFaults faults, virt::parse_eyewear_faults(rig.faults_toml, rig.name));
+  const Random root = Random(request.seed).fork("sensors");
+  MIEN_TRY_ASSIGN(const virt::MarkerPoses poses,
+                  virt::MarkerPoses::measure(markers, virt::kMeasuredBeforeS, root.fork("before")));
+  const std::vector<SensorsTest> tests = make_sensors_tests(poses, root.fork("tests"));
+  std::vector<SensorsOutcome> outcomes(static_cast<std::size_t>(request.wearers));
+  SensorsCourse course;
+  const std::size_t whole = 2 * tests.size() * outcomes.size();
+  const Progress by_test = [&](double, std::string_view) {
+    const std::size_t done = course.done;
+    if (!progress(static_cast<double>(done) / static_cast<double>(whole),
+                  fmt::format("{} wearers, {} tests each", outcomes.size(), tests.size())))
+      course.stop = true;
+    return !course.stop;
+  };
+  MIEN_TRY(virt::for_each_performer(
+      outcomes.size(), request.threads, by_test, [&](std::size_t index) -> Result<void> {
+        MIEN_TRY_ASSIGN(outcomes[index],
+                        wear_for_study(request, rig, markers, faults, poses, tests, index, course));
+        return {};
+      }));
+  SensorsStudy study;
+  for (const builtin_face::Marker& marker : markers.markers) study.markers.push_back(marker.name);
+  for (const SensorsOutcome& outcome : outcomes) study.training.push_back(outcome.training);
+  const std::size_t sensors = rig.sensors.size();
+  const auto method = [&](std::string name, std::size_t of_sensors, std::size_t which) {
+    std::vector<std::vector<MarkerSums>> sums;
+    for (const SensorsOutcome& outcome : outcomes) sums.push_back(outcome.methods[which]);
+    return sum_up(std::move(name), of_sensors, sums, tests, markers);
+  };
+  study.faithful = method("faithful", sensors, 0);
+  study.faithful16 = method("faithful16", sensors - ear_hook_sensors(rig).size(), 1);
+  study.mean_pose = method("mean_pose", 0, 2);
+  study.curve_s = outcomes.front().curve_s;
+  study.curve_mm = outcomes.front().curve_mm;
+  return study;
+}
+
+}  // namespace mien::lab

@@ -1,0 +1,415 @@
+#include "lab/imu/ablation/ablation_study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <numeric>
+#include <sstream>
+#include <utility>
+
+#include "lab/imu/ablation/takes_stand_in.h"
+#include "lab/imu/part_rig.h"
+#include "lab/imu/sensor_bound.h"
+#include "mien/builtin_face/builtin_face.h"
+#include "mien/core/files.h"
+#include "mien/core/time.h"
+#include "mien/core/units.h"
+#include "mien/dataset/training_takes.h"
+#include "mien/sensor/rig_part.h"
+#include "mien/solve/part_of_work.h"
+#include "mien/synthetic/imu/dataset_part.h"
+#include "mien/synthetic/imu/watched_person.h"
+
+namespace mien::lab {
+namespace {
+
+/// Share of the whole work, for progress.
+constexpr double kTrainedShare = 0.9;
+/// Apart from the seeds of those who are trained on.
+constexpr std::uint64_t kTestSeed = 5'000, kStrangerSeed = 6'000;
+/// The bound beside each row: what real weights have about, and consumer fusion's noise.
+constexpr double kBoundPrior = 0.10, kBoundNoiseRad = 2 * kRadPerDeg;
+
+/// Of those who are trained on so many are looked at; of a row of one in kFewestShare, too.
+constexpr std::size_t kSeenPeople = 8, kFewestShare = 10;
+
+/// Whom the networks of one set of sensors are tried on.
+struct Tested {
+  std::vector<std::string> sensors;  ///< Names of the features' entries.
+  std::array<std::vector<synthetic::ImuPerson>, kTestSetCount> sets;
+};
+
+/// `seen`: how many of those who are trained on are looked at.
+Result<Tested> make_tests(const AblationRequest& request, const sensor::Rig& rig, std::size_t seen_people,
+                          const Progress& progress) {
+  Tested out;
+  const auto set = [&](TestSet which) -> std::vector<synthetic::ImuPerson>& {
+    return out.sets[static_cast<std::size_t>(which)];
+  };
+  synthetic::DataRecipe like = request.data;
+  like.seed = recipe_seed(request.seed + kTestSeed);
+  like.performers = static_cast<int>(request.test_people);
+  like.validation_performers = 0;
+  like.seconds = like.device_seconds = request.test_seconds;
+  like.device_share = 1;
+  like.device_long_share = 0;
+  MIEN_TRY_ASSIGN(const dataset::TrainingData others,
+                  synthetic::make_dataset(like, "builtin", rig, solve::part_of_work(progress, 0, 0.5)));
+  set(TestSet::device) = synthetic::watched(others.train);
+  set(TestSet::lab) = watched_in_lab(others.train, like.seed);
+  MIEN_TRY_ASSIGN(set(TestSet::strangers),
+                  synthetic::watch_shifted(static_cast<int>(request.test_people), request.test_seconds,
+                                           request.seed + kStrangerSeed, rig,
+                                           solve::part_of_work(progress, 0.5, 0.9), 0));
+  // The first of those who are trained on, enough of them for each row: whoever performs is the same, however
+  // many do.
+  synthetic::DataRecipe seen = request.data;
+  seen.performers = std::min(seen.performers, static_cast<int>(seen_people));
+  seen.validation_performers = 0;
+  seen.device_seconds = 0;
+  MIEN_TRY_ASSIGN(const dataset::TrainingData learnt,
+                  synthetic::make_dataset(seen, "builtin", rig, solve::part_of_work(progress, 0.9, 1)));
+  set(TestSet::seen) = watched_in_lab(learnt.train, like.seed);
+  for (std::size_t i = 0; i < request.recorded.size(); ++i) {
+    const RecordedMotion& one = request.recorded[i];
+    MIEN_TRY_ASSIGN(
+        set(TestSet::recorded).emplace_back(),
+        synthetic::watch_recorded(one.motion, one.face, rig, Random(request.seed).fork("recorded", i)));
+  }
+  return out;
+}
+
+/// What rows learn from: made when it is first asked for, and kept.
+class AblationData {
+ public:
+  AblationData(const AblationRequest& request, const sensor::Rig& rig, std::string rig_text)
+      : request_(request), rig_(rig), rig_text_(std::move(rig_text)) {}
+
+  /// Names all that a row's data depend on.
+  [[nodiscard]] std::string key(const AblationRow& row, std::size_t seed) const {
+    std::string out =
+        fmt::format("{}\n{}\n{}\n", data_table(request_.data), rig_text_, fmt::join(row.sensors, " "));
+    if (row.sensors != rig_.face_sensor_names()) out += "worn alone\n";
+    if (row.one_in > 1) out += fmt::format("one in {}, {}\n", row.one_in, seed);
+    if (row.learns_from != LearnsFrom::performers)
+      out += fmt::format("{} {}\n", row.learns_from == LearnsFrom::takes ? "takes" : "both", takes_key());
+    return out;
+  }
+
+  Result<dataset::TrainingData> of(const AblationRow& row, std::size_t seed, const Progress& progress) {
+    dataset::TrainingData out;
+    if (row.learns_from == LearnsFrom::takes) {
+      MIEN_TRY_ASSIGN(const dataset::TrainingData* taken, takes(progress));
+      out = *taken;
+    } else {
+      MIEN_TRY_ASSIGN(const dataset::TrainingData* all, performers(row.sensors, progress));
+      out = {synthetic::one_in_people(all->train, row.one_in, seed), all->validation};
+    }
+    if (row.learns_from == LearnsFrom::both) {
+      MIEN_TRY_ASSIGN(const dataset::TrainingData* taken, takes(progress));
+      MIEN_TRY_ASSIGN(out, synthetic::put_together(std::move(out), *taken));
+    }
+    return out;
+  }
+
+  /// Whose takes they are, for people.
+  [[nodiscard]] std::string takes_are() const {
+    if (!request_.takes.empty()) return request_.takes.string();
+    return fmt::format("{} virtual people for {:g} s each, labelled by virtual phones", request_.stand_ins,
+                       request_.stand_in_seconds);
+  }
+
+ private:
+  [[nodiscard]] std::string takes_key() const {
+    if (request_.takes.empty())
+      return fmt::format("{} for {} s, seed {}", request_.stand_ins, request_.stand_in_seconds,
+                         request_.seed);
+    // Whoever records more, or anew, has other data.
+    std::string out = request_.takes.string();
+    if (const auto splits = read_text(request_.splits)) out += "\n" + *splits;
+    std::error_code code;
+    std::vector<std::string> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(request_.takes, code))
+      if (entry.is_regular_file(code))
+        files.push_back(fmt::format("{} {} {}", entry.path().string(), entry.file_size(code),
+                                    entry.last_write_time(code).time_since_epoch().count()));
+    std::ranges::sort(files);
+    for (const std::string& file : files) out += "\n" + file;
+    return out;
+  }
+
+  /// Kept of all sensors, which most rows have, and of the last others.
+  Result<const dataset::TrainingData*> performers(const std::vector<std::string>& sensors,
+                                                  const Progress& progress) {
+    const bool all = sensors == rig_.face_sensor_names();
+    std::optional<dataset::TrainingData>& kept = all ? performers_ : fewer_;
+    if (!kept || kept->train.sensors != sensors) {
+      MIEN_TRY_ASSIGN(const sensor::Rig rig, rig_with_sensors(rig_, sensors));
+      MIEN_TRY_ASSIGN(kept, synthetic::make_dataset(request_.data, "builtin", rig, progress));
+    }
+    return &*kept;
+  }
+
+  Result<const dataset::TrainingData*> takes(const Progress& progress) {
+    if (takes_) return &*takes_;
+    if (request_.takes.empty()) {
+      MIEN_TRY_ASSIGN(StandIn people, stand_in_takes({.people = request_.stand_ins,
+                                                      .seconds = request_.stand_in_seconds,
+                                                      .rig = request_.rig,
+                                                      .seed = request_.seed},
+                                                     progress));
+      takes_ = std::move(people.data);
+      for (const std::string& sentence : people.left_out) request_.tell(sentence);
+    } else {
+      MIEN_TRY_ASSIGN(dataset::TakesData people, dataset::read_training_takes(request_.takes, request_.splits,
+                                                                              rig_, request_.seed, progress));
+      for (dataset::Dataset* set : {&people.data.train, &people.data.validation})
+        for (dataset::Sequence& sequence : set->sequences) sequence.from_take = true;
+      takes_ = std::move(people.data);
+      for (const std::string& sentence : people.left_out) request_.tell(sentence);
+    }
+    return &*takes_;
+  }
+
+  const AblationRequest& request_;
+  const sensor::Rig& rig_;
+  std::string rig_text_;
+  std::optional<dataset::TrainingData> performers_, fewer_, takes_;
+};
+
+/// Of those who are trained on, the first whom a row's training of this seed learnt from.
+std::vector<synthetic::ImuPerson> learnt_by(const AblationRow& row, std::size_t seed,
+                                            const std::vector<synthetic::ImuPerson>& seen) {
+  // Of each seed as many.
+  const std::size_t count = std::min(kSeenPeople, seen.size() / row.one_in);
+  std::vector<synthetic::ImuPerson> out;
+  for (std::size_t i = 0; i < count; ++i) out.push_back(seen[i * row.one_in + seed % row.one_in]);
+  return out;
+}
+
+/// Rows of the CSV that the trainer writes; a row that is none is passed over.
+LossCurve curve_of(const std::string& csv) {
+  LossCurve out;
+  std::istringstream lines(csv);
+  std::string line;
+  while (std::getline(lines, line)) {
+    std::ranges::replace(line, ',', ' ');
+    std::istringstream cells(line);
+    double step = 0, seconds = 0, windows = 0, rate = 0, training = 0, validation = 0, mse = 0;
+    if (!(cells >> step >> seconds >> windows >> rate >> training >> validation >> mse)) continue;
+    out.steps.push_back(step);
+    out.training_loss.push_back(training);
+    out.validation_mse.push_back(mse);
+  }
+  return out;
+}
+
+class AblationWork {
+ public:
+  AblationWork(const AblationRequest& request, const sensor::Rig& rig, std::string rig_text,
+               const Progress& progress)
+      : request_(request),
+        rig_(rig),
+        data_(request, rig, std::move(rig_text)),
+        progress_(progress),
+        face_(builtin_face::make_builtin()),
+        meter_(face_) {}
+
+  Result<AblationStudy> run(std::vector<AblationRow> rows, const TrainShort& train) {
+    MIEN_TRY_ASSIGN(const std::vector<ShortTrained> trained, train_rows(rows, train));
+    AblationStudy out;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      std::vector<const model::ModelFile*> models;
+      for (std::size_t s = 0; s < request_.seeds; ++s) models.push_back(&trained[first_of_[r] + s].model);
+      const double all = static_cast<double>(rows.size() + request_.shipped.size());
+      const auto done = [&](double row) { return kTrainedShare + (1 - kTrainedShare) * row / all; };
+      const auto row = static_cast<double>(r);
+      MIEN_TRY_ASSIGN(AblationResult result, tried(std::move(rows[r]), models,
+                                                   solve::part_of_work(progress_, done(row), done(row + 1))));
+      result.curve = curve_of(trained[first_of_[r]].curve);
+      out.rows.push_back(std::move(result));
+    }
+    if (out.rows.size() > 1) {
+      MIEN_TRY_ASSIGN(out.moments,
+                      moments(trained[first_of_[0]].model, trained[first_of_[1]].model, out.rows[1].row));
+    }
+    for (const ShippedModel& shipped : request_.shipped) {
+      AblationRow row{.name = shipped.name,
+                      .group = kShippedGroup,
+                      .title = shipped.name,
+                      .sensors = shipped.file.features.sensors};
+      MIEN_TRY_ASSIGN(out.shipped.emplace_back(),
+                      tried(std::move(row), {&shipped.file}, solve::part_of_work(progress_, 0.99, 1)));
+    }
+    out.takes_are = data_.takes_are();
+    out.training_people = static_cast<std::size_t>(request_.data.performers);
+    const double device_s = request_.data.device_seconds * (1 + 1.5 * request_.data.device_long_share);
+    out.training_minutes =
+        request_.data.performers * (request_.data.seconds + request_.data.device_share * device_s) / 60;
+    progress_(1, "done");
+    return out;
+  }
+
+ private:
+  /// Two rows whose networks are trained alike share them.
+  static bool trained_alike(const AblationRow& a, const AblationRow& b) {
+    return a.sensors == b.sensors && a.one_in == b.one_in && a.learns_from == b.learns_from &&
+           a.network == b.network && a.window == b.window && a.difference_weight == b.difference_weight;
+  }
+
+  Result<std::vector<ShortTrained>> train_rows(const std::vector<AblationRow>& rows,
+                                               const TrainShort& train) {
+    std::vector<ShortTraining> trainings;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      std::size_t alike = 0;
+      while (!trained_alike(rows[alike], rows[r])) ++alike;
+      first_of_.push_back(alike < r ? first_of_[alike] : trainings.size());
+      if (alike < r) continue;
+      for (std::size_t s = 0; s < request_.seeds; ++s) {
+        MIEN_TRY_ASSIGN(trainings.emplace_back(), training_of(rows[r], s));
+      }
+    }
+    return train(trainings, solve::part_of_work(progress_, 0, kTrainedShare));
+  }
+
+  Result<ShortTraining> training_of(const AblationRow& row, std::size_t seed) {
+    MIEN_TRY_ASSIGN(sensor::Rig rig, rig_with_sensors(rig_, row.sensors));
+    rig.skin.reset();  // What the networks read is made already.
+    const std::string rig_text = sensor::write_rig(rig);
+    return ShortTraining{
+        .name = fmt::format("{}-{}", row.name, seed + 1),
+        .recipe = short_recipe({.seed = training_seed(request_.seed, seed),
+                                .steps = request_.steps,
+                                .network = row.network,
+                                .window = row.window,
+                                .difference_weight = row.difference_weight},
+                               request_.data),
+        .rig = rig_text,
+        .data_key = data_.key(row, seed),
+        .data = [this, row, seed](const Progress& progress) { return data_.of(row, seed, progress); }};
+  }
+
+  /// People as these sensors saw them: kept of all sensors, which most rows have, and of the last others.
+  Result<const Tested*> tests_of(const std::vector<std::string>& sensors, const Progress& progress) {
+    const bool all = sensors == rig_.face_sensor_names();
+    std::optional<Tested>& kept = all ? tested_ : fewer_;
+    if (!kept || kept->sensors != sensors) {
+      MIEN_TRY_ASSIGN(const sensor::Rig rig, rig_with_sensors(rig_, sensors));
+      const std::size_t seen = all ? kFewestShare * kSeenPeople : kSeenPeople;
+      MIEN_TRY_ASSIGN(kept, make_tests(request_, rig, seen, progress));
+      kept->sensors = sensors;
+    }
+    return &*kept;
+  }
+
+  Result<AblationResult> tried(AblationRow row, const std::vector<const model::ModelFile*>& models,
+                               const Progress& progress) {
+    AblationResult out;
+    const bool shipped = row.group == kShippedGroup;
+    MIEN_TRY_ASSIGN(const Tested* tested,
+                    tests_of(shipped ? rig_.face_sensor_names() : row.sensors, progress));
+    if (!progress(1, row.title)) return fail(ErrorCode::cancelled, "stopped", "study ablation");
+    for (std::size_t set = 0; set < kTestSetCount; ++set)
+      for (std::size_t seed = 0; seed < models.size(); ++seed)
+        MIEN_TRY(try_on(*tested, set, row, seed, *models[seed], out));
+    out.parameters = model::parameter_count(models.front()->architecture);
+    MIEN_TRY(bound(row, out));
+    out.row = std::move(row);
+    return out;
+  }
+
+  Result<void> try_on(const Tested& tested, std::size_t set, const AblationRow& row, std::size_t seed,
+                      const model::ModelFile& model, AblationResult& out) const {
+    const bool seen = static_cast<TestSet>(set) == TestSet::seen;
+    if (seen && (row.group == kShippedGroup || row.learns_from == LearnsFrom::takes)) return {};
+    const std::vector<synthetic::ImuPerson> learnt =
+        seen ? learnt_by(row, seed, tested.sets[set]) : std::vector<synthetic::ImuPerson>();
+    const std::vector<synthetic::ImuPerson>& people = seen ? learnt : tested.sets[set];
+    if (people.empty()) return {};
+    MIEN_TRY_ASSIGN(const std::vector<PersonErrors> errors,
+                    errors_of_people(model, tested.sensors, people, meter_, row.join));
+    out.errors[set].add_seed(errors);
+    return {};
+  }
+
+  Result<AblationMoments> moments(const model::ModelFile& base, const model::ModelFile& other,
+                                  const AblationRow& row) {
+    MIEN_TRY_ASSIGN(const Tested* all, tests_of(rig_.face_sensor_names(), no_progress));
+    MIEN_TRY_ASSIGN(const Tested* few, tests_of(row.sensors, no_progress));
+    const auto device = static_cast<std::size_t>(TestSet::device);
+    const synthetic::ImuPerson &person = all->sets[device].front(), &same = few->sets[device].front();
+    MIEN_TRY_ASSIGN(const std::vector<face::BlendshapeWeights> of_base,
+                    synthetic::answers_of(base, all->sensors, person.features));
+    MIEN_TRY_ASSIGN(const std::vector<face::BlendshapeWeights> of_other,
+                    synthetic::answers_of(other, few->sensors, same.features, row.join));
+    // The same performance, but sensors that are worn otherwise may begin a frame apart.
+    const std::size_t frames = std::min(of_base.size(), of_other.size());
+    const auto curve = [&](const synthetic::ImuPerson& who, std::span<const face::BlendshapeWeights> answer) {
+      const measure::Stretch stretch{std::span(who.truth).first(frames), answer.first(frames)};
+      return meter_.measure({&stretch, 1}).pve_mm_curve;
+    };
+    const std::vector<float> base_mm = curve(person, of_base), other_mm = curve(same, of_other);
+    AblationMoments out{{{"truth", {}}, {"base", {}}, {row.title, {}}}, {}};
+    constexpr std::size_t kMoments = 5, kApart = 90;  // Frames.
+    for (const std::size_t f : worst_moments(other_mm, kMoments, kApart)) {
+      out.rows[0].weights.emplace_back(same.truth[f]);
+      out.rows[1].weights.emplace_back(of_base[f]);
+      out.rows[2].weights.emplace_back(of_other[f]);
+      out.captions.push_back(fmt::format("{:.1f} s: {:.1f}, {:.1f} mm", static_cast<double>(f) / kFrameRateHz,
+                                         base_mm[f], other_mm[f]));
+    }
+    return out;
+  }
+
+  Result<void> bound(const AblationRow& row, AblationResult& out) const {
+    MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> all, virt::skin_sites(face_, rig_));
+    std::vector<virt::SkinSite> sites;
+    for (const std::string& name : row.sensors)
+      if (const auto s = rig_.find(name)) sites.push_back(all[*s]);
+    if (sites.empty()) return {};
+    const SensorBound told = sensor_bound(meter_, sites, kBoundPrior, kBoundNoiseRad, Random(request_.seed));
+    out.bound_mse = told.mse;
+    out.bound_pve_mm = told.pve_mm.mean;
+    return {};
+  }
+
+  const AblationRequest& request_;
+  const sensor::Rig& rig_;
+  AblationData data_;
+  const Progress& progress_;
+  face::Face face_;
+  measure::Meter meter_;
+  std::optional<Tested> tested_, fewer_;
+  std::vector<std::size_t> first_of_;  ///< Of each row, its first seed's training.
+};
+
+}  // namespace
+
+std::string_view ablation_test_name(TestSet set) {
+  constexpr std::array<std::string_view, kTestSetCount> kNames = {"device", "lab", "strangers", "recorded",
+                                                                  "seen"};
+  return kNames[static_cast<std::size_t>(set)];
+}
+
+SeedFigures figures_of(const AblationResult& row, TestSet set, SeedFigures SeedErrors::*measure) {
+  SeedFigures figures = row.on(set).*measure;
+  if (set == TestSet::recorded)
+    for (std::vector<double>& seed : figures)
+      seed = {std::accumulate(seed.begin(), seed.end(), 0.0) / static_cast<double>(seed.size())};
+  return figures;
+}
+
+Result<AblationStudy> study_ablation(const AblationRequest& request, const TrainShort& train,
+                                     const Progress& progress) {
+  MIEN_TRY_ASSIGN(std::string rig_text, read_text(request.rig));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_text, request.rig.string()));
+  if (sensor::kinds_of(rig) != std::vector<std::string>{"imu"} || rig.face_sensors().empty())
+    return fail(ErrorCode::mismatch, "the rig has no IMUs on the face, or other sensors beside them",
+                request.rig.string(), "use one such as rigs/default.toml");
+  MIEN_TRY_ASSIGN(std::vector<AblationRow> rows, chosen_rows(rig, request.takes.empty(), request.rows));
+  return AblationWork(request, rig, std::move(rig_text), progress).run(std::move(rows), train);
+}
+
+}  // namespace mien::lab

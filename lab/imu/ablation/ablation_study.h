@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lab/imu/ablation/ablation_rows.h"
+#include "lab/imu/short_training.h"
+#include "lab/interval.h"
+#include "lab/moments.h"
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/face/face.h"
+#include "mien/face/motion.h"
+#include "mien/model/model_file.h"
+
+namespace mien::lab {
+
+/// A model that was trained before, by its own budget, for the same table.
+struct ShippedModel {
+  std::string name;
+  model::ModelFile file;
+};
+
+/// A recorded performance, and the face on which it is played.
+struct RecordedMotion {
+  face::Motion motion;
+  face::Face face;
+};
+
+struct AblationRequest {
+  std::filesystem::path rig;                   ///< Its file: IMUs on the face.
+  std::vector<std::string> rows;               ///< By name; empty: all. The base is always among them.
+  std::size_t seeds = 3;                       ///< Trainings of each row, 1 or more.
+  std::size_t steps = 600;                     ///< Of each training.
+  synthetic::DataRecipe data = short_data(1);  ///< Whom they learn from.
+  std::size_t test_people = 16;                ///< Of each kind of virtual people, 1 or more.
+  double test_seconds = 30;                    ///< Of each of them in each profile, s.
+  /// Stand-ins for people's takes, where `takes` is empty.
+  std::size_t stand_ins = 20;
+  double stand_in_seconds = 120;
+  std::filesystem::path takes;   ///< A folder of people's takes (read_training_takes), or empty.
+  std::filesystem::path splits;  ///< Who of them is trained and who validated on, or empty.
+  std::vector<ShippedModel> shipped;
+  std::vector<RecordedMotion> recorded;  ///< Tried in *device*, too.
+  std::uint64_t seed = 1;
+  /// Told what of the takes is left out, a sentence each, when they are read.
+  std::function<void(const std::string& sentence)> tell = [](const std::string&) {};
+};
+
+/// The group of models that were trained before.
+inline constexpr const char* kShippedGroup = "shipped";
+
+/// Whom networks are tried on. None of them is learnt from, but for `seen`; of `recorded` whoever gives the
+/// recordings sees to it.
+enum class TestSet : std::uint8_t {
+  device,  ///< Virtual people like those of the training, in *device*.
+  lab,     ///< The same in *lab*.
+  /// People shifted from the training's distribution (draw_shifted_person), whose skin is as their face's
+  /// mesh has it, in *device*.
+  strangers,
+  recorded,  ///< Recorded performances, in *device*.
+  /// Of those whom that training learnt from, in *lab*: how much is learnt by heart. Rows that learn from one
+  /// in so many have others of them, and shipped models and those of takes alone none.
+  seen,
+};
+inline constexpr std::size_t kTestSetCount = 5;
+/// "device", "lab", ...
+[[nodiscard]] std::string_view ablation_test_name(TestSet set);
+
+/// Validation against training, of a row's first seed.
+struct LossCurve {
+  std::vector<double> steps, training_loss, validation_mse;
+};
+
+struct AblationResult {
+  AblationRow row;
+  std::array<SeedErrors, kTestSetCount> errors;  ///< By TestSet; empty where it was not tried.
+  LossCurve curve;                               ///< Empty of a shipped model.
+  std::size_t parameters = 0;
+  /// What the row's sensors tell by the linear bound (sensor_bound: prior 0.10, noise 2 degrees).
+  double bound_mse = 0, bound_pve_mm = 0;
+
+  [[nodiscard]] const SeedErrors& on(TestSet set) const { return errors[static_cast<std::size_t>(set)]; }
+};
+
+/// Where one row was furthest from the truth, beside what the base answered then: of the first person of the
+/// test set `device`, by the networks of the first seed.
+struct AblationMoments {
+  std::vector<MomentRow> rows;        ///< Truth, base, the row.
+  std::vector<std::string> captions;  ///< When it was, and how far both were off.
+};
+
+struct AblationStudy {
+  std::vector<AblationResult> rows;     ///< The base first.
+  std::vector<AblationResult> shipped;  ///< Models that were trained before.
+  AblationMoments moments;              ///< Of the first row after the base; empty where it is alone.
+  /// What the rows of takes learnt from, for people: stand-ins or whose.
+  std::string takes_are;
+  std::size_t training_people = 0;  ///< Virtual performers of the base.
+  double training_minutes = 0;      ///< Of theirs.
+};
+
+/// One figure of a row, as intervals are of it. Recorded performances are few and nobody drew them: their
+/// mean stands for one person, so that an interval is over seeds alone.
+[[nodiscard]] SeedFigures figures_of(const AblationResult& row, TestSet set,
+                                     SeedFigures SeedErrors::*measure);
+
+/// Trains every row with every seed, tries it on all test sets, and puts the bound beside it. The same
+/// request gives the same study. Errors: the rig's, chosen_rows's, the data's and the trainer's; cancelled.
+[[nodiscard]] Result<AblationStudy> study_ablation(const AblationRequest& request, const TrainShort& train,
+                                                   const Progress& progress);
+
+}  // namespace mien::lab

@@ -1,0 +1,436 @@
+#include "lab/imu/hours_study.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "mien/core/sha256.h"
+#include "mien/core/units.h"
+#include "mien/imu/pipeline.h"
+#include "mien/measure/metrics.h"
+#include "mien/measure/weight_errors.h"
+#include "mien/performer/head_motion.h"
+#include "mien/performer/performer.h"
+#include "mien/tracker/causal_tracker.h"
+#include "mien/virtual/imu/imu_session.h"
+#include "mien/virtual/imu/streamed_session.h"
+#include "mien/virtual/performance.h"
+#include "mien/virtual/performers.h"
+
+namespace mien::lab {
+namespace {
+
+/// Vertex errors are measured on every such frame, and the filter's consistency too.
+constexpr std::size_t kSampledFrames = 20;
+
+using Weights = face::BlendshapeWeights;
+
+void put_rotation(const Quat& rotation, model::SensorFeature& feature) {
+  const Quat unit = canonical(rotation);
+  feature.rotation = {static_cast<float>(unit.w()), static_cast<float>(unit.x()),
+                      static_cast<float>(unit.y()), static_cast<float>(unit.z())};
+  feature.has_rotation = true;
+}
+
+/// One way to the weights, and what it errs in the present piece.
+struct HoursWay {
+  tracker::CausalTracker tracker;
+  face::OutputFrame answer;
+  measure::WeightErrors errors = {};
+  std::vector<Weights> sampled;
+  std::vector<double> held;
+
+  void step(const model::FeatureFrame& features) { tracker.step(features, answer); }
+};
+
+/// Minutes that all performers have performed, and whether to stop.
+struct Clock {
+  std::atomic<std::size_t> minutes = 0;
+  std::atomic<bool> stopped = false;
+};
+
+/// Mean square of rotations' errors.
+struct RotationErrors {
+  double squares_rad2 = 0;
+  std::size_t count = 0;
+
+  void add(const Vec3& error_rad) {
+    squares_rad2 += error_rad.squaredNorm();
+    ++count;
+  }
+  [[nodiscard]] double rms_deg() const {
+    return count > 0 ? kDegPerRad * std::sqrt(squares_rad2 / static_cast<double>(count)) : 0;
+  }
+};
+
+/// An error in frame H; none where no rotation was given.
+std::optional<Vec3> rotation_error(const model::SensorFeature& feature, const Quat& truth) {
+  if (!feature.has_rotation) return std::nullopt;
+  const auto& [w, x, y, z] = feature.rotation;
+  return log_rotation(Quat(w, x, y, z) * truth.conjugate());
+}
+
+class HoursPerformance {
+ public:
+  /// `sensor`: that to which something happens, among the rig's.
+  HoursPerformance(const HoursRequest& request, const sensor::Rig& rig,
+                   const std::vector<virt::SkinSite>& sites, const face::Face& face,
+                   std::optional<std::uint16_t> sensor, Random random, std::vector<HoursWay> ways)
+      : request_(request),
+        sites_(sites),
+        sensor_(sensor),
+        face_sensors_(rig.face_sensors()),
+        meter_(face),
+        noise_(std::move(random)),
+        ways_(std::move(ways)),
+        pipeline_(rig),
+        frozen_(rig, {.track_heading = false}) {}
+
+  void mark(const std::vector<take::Event>& events) {
+    for (const take::Event& event : events)
+      if (const auto phase = imu::phase_of(event.kind)) {
+        pipeline_.mark(*phase, event.begin, event.end);
+        frozen_.mark(*phase, event.begin, event.end);
+      }
+  }
+  void add(const sensor::Sample& sample) {
+    pipeline_.add(sample);
+    frozen_.add(sample);
+  }
+  void add(const virt::StreamedFrame& frame, const sensor::TimeLines& lines) {
+    pipeline_.tick(frame.tick.frame, lines, device_);
+    frozen_.tick(frame.tick.frame, lines, frozen_features_);
+    lab_.sensors.assign(face_sensors_.size(), {});
+    known_ = device_;
+    std::vector<Quat> truth;
+    for (std::size_t i = 0; i < face_sensors_.size(); ++i) {
+      truth.push_back(sites_[face_sensors_[i]].rotation(frame.weights));
+      Vec3 rotation = log_rotation(truth[i]);
+      for (double& axis : rotation) axis += virt::kLabNoiseRad * noise_.normal();
+      put_rotation(exp_rotation(rotation), lab_.sensors[i]);
+      put_rotation(truth[i], known_.sensors[i]);
+    }
+    for (std::size_t way = 0; way < ways_.size(); ++way) ways_[way].step(*features_[way]);
+    if (frame.motion_s < 0) return;
+    if (frame.motion_s >= piece_begin_s_ + performer::kPieceS) end_piece();
+    for (HoursWay& way : ways_) way.errors.add(way.answer.weights, frame.weights);
+    add_rotations(truth);
+    add_held(frame);
+    if (frames_++ % kSampledFrames != 0) return;
+    truth_.push_back(frame.weights);
+    for (HoursWay& way : ways_) way.sampled.push_back(way.answer.weights);
+  }
+  [[nodiscard]] std::vector<HoursPiece> finish() {
+    end_piece();
+    return std::move(pieces_);
+  }
+
+ private:
+  void add_rotations(const std::vector<Quat>& truth) {
+    const Vec3 up = device_.head.conjugate() * Vec3::UnitY();
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      ++expected_;
+      const bool watched = sensor_ == face_sensors_[i];
+      if (const auto error = rotation_error(frozen_features_.sensors[i], truth[i]); watched && error)
+        frozen_sensor_errors_.add(*error);
+      const std::optional<Vec3> error = rotation_error(device_.sensors[i], truth[i]);
+      if (!error) continue;
+      rotation_errors_.add(*error);
+      vertical_errors_.add(error->dot(up) * up);
+      if (watched) sensor_errors_.add(*error);
+      if (frames_ % kSampledFrames != 0) continue;
+      nees_ += error->dot(pipeline_.status(face_sensors_[i]).drift_rad2.inverse() * *error) / 3;
+      ++judged_;
+    }
+  }
+  void add_held(const virt::StreamedFrame& frame) {
+    for (HoursWay& way : ways_) way.held.resize(request_.held.size());
+    held_frames_.resize(request_.held.size());
+    for (std::size_t h = 0; h < request_.held.size(); ++h) {
+      const performer::HeldExpression& held = request_.held[h];
+      if (frame.motion_s < held.begin_s + kSettledS || frame.motion_s > held.end_s) continue;
+      ++held_frames_[h];
+      for (HoursWay& way : ways_)
+        for (const std::size_t k : held.shapes)
+          way.held[h] += way.answer.weights[k] / static_cast<double>(held.shapes.size());
+    }
+  }
+  void end_piece() {
+    if (frames_ == 0) return;
+    HoursPiece piece{.begin_s = piece_begin_s_, .frames = frames_};
+    const auto each = [&](auto value) {
+      return HoursErrors{value(ways_[0]), value(ways_[1]), value(ways_[2]), value(ways_[3])};
+    };
+    piece.mse = each([&](const HoursWay& way) { return way.errors.mse(); });
+    const auto pve = [&](const HoursWay& way) {
+      const measure::Stretch stretch{.truth = truth_, .estimate = way.sampled};
+      return meter_.measure({&stretch, 1}).pve_mm.mean;
+    };
+    piece.pve_mm = pve(ways_[0]);
+    piece.lab_pve_mm = pve(ways_[1]);
+    std::array<double, face::kShapeCount> bias{};
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      bias[k] = ways_[0].errors.bias(k) - ways_[1].errors.bias(k);
+    if (pieces_.empty()) first_bias_ = bias;
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      const double grown = std::abs(bias[k]) - std::abs(first_bias_[k]);
+      if (k > 0 && grown <= piece.worst_bias) continue;
+      piece.worst_shape = k;
+      piece.worst_bias = grown;
+    }
+    piece.rotation_rms_deg = rotation_errors_.rms_deg();
+    piece.vertical_rms_deg = vertical_errors_.rms_deg();
+    piece.sensor_rms_deg = sensor_errors_.rms_deg();
+    piece.frozen_sensor_rms_deg = frozen_sensor_errors_.rms_deg();
+    piece.nees = judged_ > 0 ? nees_ / static_cast<double>(judged_) : 0;
+    piece.missing = 1 - static_cast<double>(rotation_errors_.count) /
+                            static_cast<double>(std::max<std::size_t>(1, expected_));
+    const double relative = piece.mse.device / piece.mse.lab;
+    piece.ratio = pieces_.empty() ? 1 : relative / (pieces_.front().mse.device / pieces_.front().mse.lab);
+    for (std::size_t h = 0; h < held_frames_.size(); ++h)
+      if (held_frames_[h] > 0)
+        piece.held.push_back(
+            each([&](const HoursWay& way) { return way.held[h] / static_cast<double>(held_frames_[h]); }));
+    pieces_.push_back(std::move(piece));
+    piece_begin_s_ += performer::kPieceS;
+    frames_ = expected_ = judged_ = 0;
+    nees_ = 0;
+    rotation_errors_ = vertical_errors_ = sensor_errors_ = frozen_sensor_errors_ = {};
+    truth_.clear();
+    std::ranges::fill(held_frames_, 0);
+    for (HoursWay& way : ways_) {
+      way.errors = {};
+      way.sampled.clear();
+      std::ranges::fill(way.held, 0.0);
+    }
+  }
+
+  /// An expression counts as held from this long after it began, s.
+  static constexpr double kSettledS = 2;
+  const HoursRequest& request_;
+  const std::vector<virt::SkinSite>& sites_;
+  std::optional<std::uint16_t> sensor_;
+  std::vector<std::uint16_t> face_sensors_;
+  measure::Meter meter_;
+  Random noise_;
+  std::vector<HoursWay> ways_;  // Device, lab, known, frozen.
+  imu::Pipeline pipeline_, frozen_;
+  model::FeatureFrame device_, lab_, known_, frozen_features_;
+  std::array<const model::FeatureFrame*, 4> features_ = {&device_, &lab_, &known_, &frozen_features_};
+
+  std::vector<HoursPiece> pieces_;
+  std::array<double, face::kShapeCount> first_bias_{};
+  double piece_begin_s_ = 0;
+  std::size_t frames_ = 0, expected_ = 0, judged_ = 0;
+  double nees_ = 0;
+  RotationErrors rotation_errors_, vertical_errors_, sensor_errors_, frozen_sensor_errors_;
+  std::vector<Weights> truth_;
+  std::vector<std::size_t> held_frames_;
+};
+
+/// One performance of the study: a script's or a motion's, in a scenario.
+struct HoursJob {
+  performer::Block script = performer::Block::mixed;
+  const face::Motion* motion = nullptr;  // In place of the script.
+  const HoursScenario* scenario = nullptr;
+  std::uint64_t seed = 0;
+
+  [[nodiscard]] std::string name() const {
+    return motion != nullptr ? motion->name : std::string(performer::block_name(script));
+  }
+};
+
+/// Names all of the request that its figures depend on.
+std::string key_of(const HoursRequest& request, const HoursJob& job) {
+  std::string key =
+      fmt::format("{}, {}, seed {}, {} minutes", job.name(), job.scenario->name, job.seed, request.minutes);
+  for (const performer::HeldExpression& held : request.held)
+    key += fmt::format(", held {} at {} from {} to {} s", fmt::join(held.shapes, "+"), held.value,
+                       held.begin_s, held.end_s);
+  Sha256 hash;
+  if (job.motion != nullptr)
+    for (const face::MotionFrame& frame : job.motion->frames) {
+      for (const double value :
+           {frame.time_s, frame.head.w(), frame.head.x(), frame.head.y(), frame.head.z(),
+            frame.head_position_m.x(), frame.head_position_m.y(), frame.head_position_m.z()})
+        hash.add_value(value);
+      hash.add(std::as_bytes(std::span(frame.weights.values)));
+      hash.add_value(frame.has_face);
+    }
+  if (request.face) {
+    hash.add(std::as_bytes(std::span(request.face->neutral_m)));
+    for (const face::Shape& shape : request.face->shapes) {
+      hash.add(std::as_bytes(std::span(shape.vertex)));
+      hash.add(std::as_bytes(std::span(shape.delta_m)));
+    }
+  }
+  return key + ", " + hash.hex();
+}
+
+performer::LongMotion motion_of(const HoursRequest& request, const HoursJob& job,
+                                const performer::Style& style, const Random& root) {
+  const bool still = job.scenario->head_still;
+  const auto keep_still = [still](face::Motion motion) {
+    if (still)
+      for (face::MotionFrame& frame : motion.frames) {
+        frame.head = Quat::Identity();
+        frame.head_position_m = Vec3::Zero();
+      }
+    motion.has_head = motion.has_head || still;
+    return motion;
+  };
+  const auto begun = [&root](const face::Motion& motion) {
+    return performer::with_prologue(motion, performer::PrologueKind::brief, root.fork("prologue"));
+  };
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  if (job.motion == nullptr) {
+    const auto draw = [keep_still, style, root, script = job.script](std::size_t piece) {
+      return keep_still(performer::perform(performer::default_script(script, performer::kPieceS), style,
+                                           root.fork("piece", piece)));
+    };
+    return {begun(draw(0)), {.draw = draw, .duration_s = kEndless}, request.held};
+  }
+  face::Motion motion = keep_still(*job.motion);
+  if (!motion.has_head) motion = performer::with_head_motion(motion, root.fork("head"));
+  performer::PrologueMotion repeated = begun(motion);
+  const performer::Encore encore = performer::add_encore(repeated);
+  return {repeated, encore, kEndless, request.held};
+}
+
+/// What a scenario has happen to a sensor.
+Result<std::vector<virt::SensorEvent>> events_of(const HoursEvent& event, std::uint16_t sensor,
+                                                 const sensor::Rig& rig, const face::Face& face,
+                                                 Random random) {
+  std::vector<virt::SensorEvent> out;
+  for (const double restart_min : event.restarts_min)
+    if (restart_min > 0) out.push_back({.sensor = sensor, .begin_s = 60 * restart_min, .restarts = true});
+  if (event.begin_min <= 0) return out;
+  virt::SensorEvent& one = out.emplace_back();
+  one.sensor = sensor;
+  one.begin_s = 60 * event.begin_min;
+  one.end_s = 60 * event.end_min;
+  one.turn_rad = event.turn_deg * kRadPerDeg * random.direction();
+  one.silent = event.silent;
+  if (event.heading_deg != 0) one.heading_rad = event.heading_deg * kRadPerDeg;
+  if (event.shift_mm > 0) {
+    MIEN_TRY_ASSIGN(
+        const std::vector<virt::SkinSite> elsewhere,
+        virt::skin_sites(face, rig, virt::draw_placement(rig, 1e-3 * event.shift_mm, random.fork("again"))));
+    one.site = elsewhere[sensor];
+  }
+  return out;
+}
+
+Result<HoursRun> perform_hours(const HoursRequest& request, const sensor::Rig& rig,
+                               const model::ModelFile& model, const HoursJob& job, Clock& clock) {
+  MIEN_TRY_ASSIGN(virt::DeviceFaults faults, virt::parse_faults(rig.faults_toml, rig.name));
+  if (job.scenario->faults != nullptr) faults = job.scenario->faults(faults);
+  const Random root = Random(job.seed).fork("hours");
+  virt::VirtualPerson person = virt::draw_person(root);
+  if (request.face) person.face = *request.face;
+  MIEN_TRY_ASSIGN(
+      std::vector<virt::SkinSite> sites,
+      virt::skin_sites(person.face, rig,
+                       virt::draw_placement(rig, 1e-3 * faults.mount_position_mm, root.fork("placement"))));
+  std::optional<std::uint16_t> sensor;
+  std::vector<virt::SensorEvent> events;
+  if (job.scenario->event.last_min() > 0) {
+    Random random = root.fork("event");
+    const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
+    sensor = face_sensors[random.below(face_sensors.size())];
+    MIEN_TRY_ASSIGN(events, events_of(job.scenario->event, *sensor, rig, person.face, random));
+  }
+  MIEN_TRY_ASSIGN(virt::StreamedSession session,
+                  virt::StreamedSession::create(rig, std::move(sites), faults,
+                                                motion_of(request, job, person.style, root.fork(job.name())),
+                                                root.fork("devices"), std::move(events)));
+  std::vector<HoursWay> ways;
+  for (int way = 0; way < 4; ++way) {
+    MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
+                    tracker::CausalTracker::create(model, rig.face_sensor_names()));
+    ways.push_back({.tracker = std::move(tracker)});
+  }
+  HoursPerformance performing(request, rig, session.sites(), person.face, sensor, root.fork("lab noise"),
+                              std::move(ways));
+  performing.mark(session.events());
+  double reached_s = 0;
+  const virt::StreamConsumer consumer{
+      .sample = [&](HostTime, const sensor::Sample& sample) { performing.add(sample); },
+      .frame =
+          [&](const virt::StreamedFrame& frame, const sensor::TimeLines& lines) {
+            reached_s = frame.motion_s;
+            if (frame.motion_s < 60 * request.minutes) performing.add(frame, lines);
+          }};
+  for (double counted_s = 0; reached_s < 60 * request.minutes;) {
+    MIEN_TRY(session.next(consumer));
+    if (clock.stopped) return fail(ErrorCode::cancelled, "stopped", "hours study");
+    if (reached_s < counted_s + 60) continue;
+    counted_s += 60;
+    ++clock.minutes;
+  }
+  return HoursRun{.script = job.name(),
+                  .scenario = std::string(job.scenario->name),
+                  .seed = job.seed,
+                  .sensor = sensor ? rig.sensors[*sensor].name : "",
+                  .event_end_s = 60 * job.scenario->event.last_min(),
+                  .pieces = performing.finish()};
+}
+
+}  // namespace
+
+Result<std::vector<HoursRun>> study_hours(const HoursRequest& request, const sensor::Rig& rig,
+                                          const model::ModelFile& model, const Progress& progress,
+                                          const HoursCache* cache) {
+  std::vector<HoursJob> jobs;
+  const auto add = [&](HoursJob job) {
+    for (const HoursScenario& scenario : request.scenarios)
+      for (std::uint64_t seed = request.first_seed; seed < request.first_seed + request.seeds; ++seed) {
+        job.scenario = &scenario;
+        job.seed = seed;
+        jobs.push_back(job);
+      }
+  };
+  for (const performer::Block script : request.scripts) add({.script = script});
+  for (const face::Motion& motion : request.motions) add({.motion = &motion});
+  if (jobs.empty() || !(request.minutes > 0))
+    return fail(ErrorCode::bad_usage, "nobody performs", "hours study",
+                "give a script or a motion, a scenario, a seed and minutes");
+  MIEN_TRY(tracker::CausalTracker::create(model, rig.face_sensor_names()));
+  std::vector<HoursRun> runs(jobs.size());
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    std::optional<HoursRun> known = cache != nullptr ? cache->find(key_of(request, jobs[i])) : std::nullopt;
+    if (known)
+      runs[i] = std::move(*known);
+    else
+      missing.push_back(i);
+  }
+  Clock clock;
+  const auto kept = static_cast<double>(jobs.size() - missing.size());
+  const Progress watch = [&](double performers, std::string_view) {
+    const auto all = static_cast<double>(jobs.size());
+    const double done = kept * request.minutes + static_cast<double>(clock.minutes);
+    if (!progress(performers < 1 ? std::min(0.99, done / (all * request.minutes)) : 1.0,
+                  fmt::format("{:.0f} of {:.0f} performances, {:.0f} of {:.0f} minutes",
+                              kept + performers * static_cast<double>(missing.size()), all, done,
+                              all * request.minutes)))
+      clock.stopped = true;
+    return !clock.stopped;
+  };
+  MIEN_TRY(
+      virt::for_each_performer(missing.size(), request.threads, watch, [&](std::size_t i) -> Result<void> {
+        const HoursJob& job = jobs[missing[i]];
+        MIEN_TRY_ASSIGN(runs[missing[i]], perform_hours(request, rig, model, job, clock));
+        return cache != nullptr ? cache->keep(key_of(request, job), runs[missing[i]]) : Result<void>();
+      }));
+  return runs;
+}
+
+}  // namespace mien::lab

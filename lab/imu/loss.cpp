@@ -1,0 +1,256 @@
+#include "lab/imu/loss.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "lab/imu/observed_rotations.h"
+#include "lab/performance_count.h"
+#include "mien/core/units.h"
+#include "mien/measure/evaluation.h"
+#include "mien/shaping/shaper.h"
+#include "mien/solve/trace_features.h"
+#include "mien/tracker/causal_tracker.h"
+#include "mien/virtual/imu/device_faults.h"
+#include "mien/virtual/imu/impair.h"
+#include "mien/virtual/performers.h"
+
+namespace mien::lab {
+namespace {
+
+/// A performance, on whose face it was.
+struct Played {
+  face::Face face;
+  virt::Performance performance;
+  Random random = Random(0);  // Of what befalls it.
+};
+
+/// How one condition went for one performance.
+struct LossOutcome {
+  measure::Metrics metrics;
+  double mean_pose_mse = 0;  // Of the first condition alone.
+  ObservedRotations rotations;
+  double largest_step = 0;
+  double truth_step = 0;
+  std::size_t unsound = 0;
+  std::size_t mistold = 0;
+};
+
+Result<Played> perform_one(const LossRequest& request, const sensor::Rig& rig,
+                           const virt::DeviceFaults& faults, std::size_t index) {
+  const Random root = Random(request.seed).fork("loss", index);
+  Played out;
+  face::Motion motion;
+  if (request.motions.empty()) {
+    virt::VirtualPerson person = virt::draw_person(root);
+    out.face = std::move(person.face);
+    motion = virt::draw_motion(request.seconds, person.style, root);
+  } else {
+    const virt::GivenMotion& given = request.motions[index];
+    if (given.face >= request.faces.size())
+      return fail(ErrorCode::bad_usage, "the motion has no face to be played on", given.motion.name);
+    out.face = request.faces[given.face];
+    motion = given.motion;
+  }
+  MIEN_TRY_ASSIGN(out.performance,
+                  virt::perform_with({.faults = faults}, out.face, std::move(motion), rig, root));
+  out.random = root.fork("faults");
+  return out;
+}
+
+/// What the tracker answers, and what a session shows of it.
+struct Answer {
+  std::vector<face::BlendshapeWeights> weights;
+  std::vector<face::BlendshapeWeights> shown;
+};
+
+/// Steps the tracker through the features, and looks at what every frame says of itself.
+Answer answer(const std::vector<model::FeatureFrame>& features, tracker::CausalTracker& tracker,
+              LossOutcome& outcome) {
+  Answer out;
+  out.weights.reserve(features.size());
+  out.shown.reserve(features.size());
+  face::OutputFrame frame;
+  shaping::Shaper shaper;
+  tracker.reset();
+  for (const model::FeatureFrame& feature : features) {
+    tracker.step(feature, frame);
+    out.weights.push_back(frame.weights);
+    const auto sound = [](float w) { return w >= 0 && w <= 1; };  // What is not finite is neither.
+    if (!std::ranges::all_of(frame.weights.values, sound)) ++outcome.unsound;
+    const auto observed = std::ranges::count_if(feature.sensors, &model::SensorFeature::has_rotation);
+    const bool measured = std::ranges::count(frame.provenance, face::Provenance::measured) > 0;
+    if (measured && observed == 0) ++outcome.mistold;
+    shaper.apply(frame, static_cast<std::size_t>(observed));
+    out.shown.push_back(frame.weights);
+  }
+  return out;
+}
+
+double largest_step(const std::vector<measure::Stretch>& stretches,
+                    std::span<const face::BlendshapeWeights> measure::Stretch::*track) {
+  float largest = 0;
+  for (const measure::Stretch& stretch : stretches) {
+    const std::span<const face::BlendshapeWeights> frames = stretch.*track;
+    for (std::size_t f = 1; f < frames.size(); ++f)
+      for (std::size_t k = 0; k < face::kShapeCount; ++k)
+        largest = std::max(largest, std::abs(std::clamp(frames[f][k], 0.0F, 1.0F) -
+                                             std::clamp(frames[f - 1][k], 0.0F, 1.0F)));
+  }
+  return largest;
+}
+
+Result<LossOutcome> run_condition(const LossCondition& condition, const sensor::Rig& rig,
+                                  const Played& played, const measure::Meter& meter,
+                                  tracker::CausalTracker& tracker) {
+  const virt::Performance& performance = played.performance;
+  MIEN_TRY_ASSIGN(const Impairment bad,
+                  impairment(condition, rig, performance.begin_s, performance.end_s, played.random));
+  MIEN_TRY_ASSIGN(
+      const virt::VirtualSession received,
+      virt::impair(performance.session, rig, bad.network, played.random.fork("network"), bad.troubles));
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features,
+                  solve::trace_features(rig, received.events, received.entries, received.ticks));
+  LossOutcome out{.rotations = ObservedRotations(rig)};
+  const Answer answered = answer(features, tracker, out);
+  std::vector<face::BlendshapeWeights> truth;
+  truth.reserve(received.truth.size());
+  for (const take::TruthFrame& frame : received.truth) truth.push_back(frame.weights);
+
+  std::vector<measure::Stretch> stretches, shown;
+  for (const auto& [begin, end] : measure::evaluated_runs(received.truth)) {
+    const auto run = [&](const std::vector<face::BlendshapeWeights>& track) {
+      return std::span(track).subspan(begin, end - begin);
+    };
+    stretches.push_back({run(truth), run(answered.weights)});
+    shown.push_back({run(truth), run(answered.shown)});
+    for (std::size_t f = begin; f < end; ++f) out.rotations.add(features[f], truth[f], performance.sites);
+  }
+  out.metrics = meter.measure(stretches);
+  out.largest_step = largest_step(shown, &measure::Stretch::estimate);
+  out.truth_step = largest_step(stretches, &measure::Stretch::truth);
+  if (condition.fault == Fault::none) {
+    face::BlendshapeWeights mean;
+    std::ranges::copy(tracker.file().mean_pose, mean.values.begin());
+    const std::vector<face::BlendshapeWeights> still(truth.size(), mean);
+    for (measure::Stretch& stretch : stretches)
+      stretch.estimate = std::span(still).first(stretch.truth.size());
+    out.mean_pose_mse = meter.measure(stretches).mse;
+  }
+  return out;
+}
+
+/// One condition over all performances, each frame counting alike.
+LossRow pooled(const LossCondition& condition, const sensor::Rig& rig,
+               const std::vector<LossOutcome>& outcomes) {
+  LossRow row{.condition = condition};
+  ObservedRotations rotations(rig);
+  for (const LossOutcome& one : outcomes) {
+    const auto frames = static_cast<double>(one.metrics.frames);
+    row.frames += one.metrics.frames;
+    row.mse += frames * one.metrics.mse;
+    row.mse_observed += frames * one.metrics.mse_observed;
+    row.pve_mm += frames * one.metrics.pve_mm.mean;
+    rotations.add(one.rotations);
+    row.largest_step = std::max(row.largest_step, one.largest_step);
+    row.truth_step = std::max(row.truth_step, one.truth_step);
+    row.unsound += one.unsound;
+    row.mistold += one.mistold;
+    row.performance_mse.push_back(one.metrics.mse);
+  }
+  const double all = std::max(1.0, static_cast<double>(row.frames));
+  for (double* mean : {&row.mse, &row.mse_observed, &row.pve_mm}) *mean /= all;
+  row.observed = rotations.share();
+  row.rotation_rms_deg = kDegPerRad * rotations.rms_rad();
+  return row;
+}
+
+}  // namespace
+
+const LossRow* LossStudy::find(Fault fault, double amount) const {
+  for (const LossRow& row : rows)
+    if (row.condition.fault == fault && row.condition.amount == amount) return &row;
+  return nullptr;
+}
+
+const LossRow* LossStudy::worst_sensor() const {
+  // An error that is no number is worse than any.
+  const auto worse = [](const LossRow& one, const LossRow& other) {
+    return !std::isnan(other.rise) && !(one.rise <= other.rise);
+  };
+  const LossRow* worst = nullptr;
+  for (const LossRow& row : rows)
+    if (row.condition.fault == Fault::sensor_silent && (worst == nullptr || worse(row, *worst))) worst = &row;
+  return worst;
+}
+
+std::size_t LossStudy::unsound() const {
+  std::size_t sum = 0;
+  for (const LossRow& row : rows) sum += row.unsound;
+  return sum;
+}
+
+std::size_t LossStudy::mistold() const {
+  std::size_t sum = 0;
+  for (const LossRow& row : rows) sum += row.mistold;
+  return sum;
+}
+
+bool LossStudy::kept() const {
+  const LossRow* tenth = find(Fault::loss, 10);
+  const LossRow* worst = worst_sensor();
+  // Written so that an error that is no number keeps nothing.
+  return unsound() == 0 && mistold() == 0 && (tenth == nullptr || tenth->rise <= kRiseAllowedAt10Percent) &&
+         (worst == nullptr || worst->rise <= kRiseAllowedWithoutASensor);
+}
+
+Result<LossStudy> study_loss(const LossRequest& request, const sensor::Rig& rig,
+                             const model::ModelFile& model, const std::vector<LossCondition>& conditions,
+                             const Progress& progress) {
+  MIEN_TRY_ASSIGN(const virt::DeviceFaults faults, virt::parse_faults(rig.faults_toml, rig.name));
+  // Before long work: whether the model is one for this.
+  MIEN_TRY(tracker::CausalTracker::create(model, rig.face_sensor_names()));
+  std::vector<LossCondition> all = {{}};
+  all.insert(all.end(), conditions.begin(), conditions.end());
+  const std::size_t count = request.motions.empty()
+                                ? static_cast<std::size_t>(std::max(request.performers, 1))
+                                : request.motions.size();
+
+  std::vector<std::vector<LossOutcome>> outcomes(
+      all.size(), std::vector<LossOutcome>(count, LossOutcome{.rotations = ObservedRotations(rig)}));
+  PerformanceCount performances(progress, count * all.size());
+  const Progress counted = performances.progress();
+  MIEN_TRY(virt::for_each_performer(count, request.threads, counted, [&](std::size_t p) -> Result<void> {
+    MIEN_TRY_ASSIGN(const Played played, perform_one(request, rig, faults, p));
+    MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
+                    tracker::CausalTracker::create(model, rig.face_sensor_names()));
+    const measure::Meter meter(played.face);
+    for (std::size_t c = 0; c < all.size(); ++c) {
+      if (Result<void> on = performances.go_on(); !on) return on;
+      MIEN_TRY_ASSIGN(outcomes[c][p], run_condition(all[c], rig, played, meter, tracker));
+      performances.count();
+    }
+    return {};
+  }));
+
+  LossStudy study;
+  for (std::size_t c = 0; c < all.size(); ++c) study.rows.push_back(pooled(all[c], rig, outcomes[c]));
+  const LossRow& clean = study.rows.front();
+  if (clean.frames == 0)
+    return fail(ErrorCode::not_found, "no frame of these performances can be evaluated", rig.name);
+  for (const LossOutcome& one : outcomes.front())
+    study.mean_pose_mse += one.mean_pose_mse * static_cast<double>(one.metrics.frames);
+  study.mean_pose_mse /= static_cast<double>(clean.frames);
+  const double clean_mse = clean.mse;
+  const double known = study.mean_pose_mse - clean_mse;
+  for (LossRow& row : study.rows) {
+    row.rise = row.mse / clean_mse - 1;
+    row.given_up = known > 0 ? (row.mse - clean_mse) / known : 0;
+  }
+  return study;
+}
+
+}  // namespace mien::lab

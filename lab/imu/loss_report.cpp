@@ -1,0 +1,105 @@
+#include "lab/imu/loss_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mien::lab {
+namespace {
+
+std::string percent(double share) {
+  return fmt::format("{:+.1f} %", 100 * share);
+}
+
+std::string allowed(double rise) {
+  return fmt::format("at most {} is promised", percent(rise));
+}
+
+/// Error against the share that was lost, beginning with the clean condition.
+measure::Line curve(const LossStudy& study, Fault fault, const std::string& name) {
+  measure::Line line{name, {0}, {study.rows.front().mse}};
+  for (const LossRow& row : study.rows)
+    if (row.condition.fault == fault) {
+      line.x.push_back(row.condition.amount);
+      line.y.push_back(row.mse);
+    }
+  return line;
+}
+
+measure::LinePlot curves(const LossStudy& study) {
+  measure::LinePlot plot;
+  plot.title = "Weight error against lost packets";
+  plot.x_label = "packets lost beyond the rig's own (%)";
+  plot.y_label = "MSE";
+  plot.lines = {curve(study, Fault::loss, "each by itself"),
+                curve(study, Fault::bursts, "in bursts of ten packets")};
+  double most = 0;
+  for (const measure::Line& line : plot.lines) most = std::max(most, line.x.back());
+  const double promised = (1 + kRiseAllowedAt10Percent) * study.rows.front().mse;
+  plot.lines.push_back({"promised at 10 %", {0, most}, {promised, promised}});
+  plot.lines.push_back({"mean pose", {0, most}, {study.mean_pose_mse, study.mean_pose_mse}});
+  return plot;
+}
+
+measure::BarPlot sensors(const LossStudy& study) {
+  measure::BarPlot plot;
+  plot.title = "Weight error without one sensor";
+  plot.value_label = "MSE";
+  plot.series = {"MSE"};
+  plot.groups.push_back({"all there", {study.rows.front().mse}, {}});
+  for (const LossRow& row : study.rows)
+    if (row.condition.fault == Fault::sensor_silent)
+      plot.groups.push_back({row.condition.sensor, {row.mse}, {}});
+  return plot;
+}
+
+measure::Table conditions(const LossStudy& study) {
+  measure::Table table;
+  table.caption = "Every condition, on the same performances";
+  table.columns = {"",        "MSE",         "rise, %",     "given up, %",  "MSE of 42",
+                   "PVE, mm", "observed, %", "rotation, °", "largest step", "truth's",
+                   "unsound", "mistold"};
+  for (const LossRow& row : study.rows)
+    table.rows.push_back({row.condition.name(), fmt::format("{:.5f}", row.mse),
+                          fmt::format("{:+.1f}", 100 * row.rise), fmt::format("{:+.1f}", 100 * row.given_up),
+                          fmt::format("{:.5f}", row.mse_observed), fmt::format("{:.3f}", row.pve_mm),
+                          fmt::format("{:.1f}", 100 * row.observed),
+                          fmt::format("{:.1f}", row.rotation_rms_deg),
+                          fmt::format("{:.3f}", row.largest_step), fmt::format("{:.3f}", row.truth_step),
+                          fmt::format("{}", row.unsound), fmt::format("{}", row.mistold)});
+  table.strong_rows = {0};
+  return table;
+}
+
+}  // namespace
+
+measure::Report loss_report(const LossStudy& study, const std::string& subtitle) {
+  measure::Report report("Accuracy against loss", subtitle);
+  const LossRow& clean = study.rows.front();
+  std::vector<measure::KeyFigure> figures = {{"Weight MSE, clean", fmt::format("{:.5f}", clean.mse),
+                                              fmt::format("mean pose {:.5f}", study.mean_pose_mse)}};
+  if (const LossRow* tenth = study.find(Fault::loss, 10))
+    figures.push_back({"With 10 % lost", percent(tenth->rise), allowed(kRiseAllowedAt10Percent)});
+  if (const LossRow* worst = study.worst_sensor())
+    figures.push_back({"Without " + worst->condition.sensor + ", the worst to lose", percent(worst->rise),
+                       allowed(kRiseAllowedWithoutASensor)});
+  figures.push_back({"Frames not sound", fmt::format("{}", study.unsound() + study.mistold()), "of all"});
+  report.key_figures(figures);
+  report.plot(curves(study));
+  if (study.worst_sensor() != nullptr) report.bars(sensors(study));
+  report.table(conditions(study));
+  report.text(
+      "Each condition is the same performances heard through a worse network or from devices in trouble, the "
+      "prologue too. The rig's own faults, lost packets among them, are there in every one, also in the "
+      "clean. Rise is of the MSE, against clean. Given up is the share gone of what the model knows, by "
+      "which "
+      "it beats the mean pose when all is well: 100 is as good as knowing nothing. Felt is the share of the "
+      "face sensors' rotations that the model was given; rotation is how far these are off, RMS. Largest "
+      "step is "
+      "the largest change of any weight from one frame to the next, beside the truth's own. Unsound are "
+      "frames with a weight that is no number or outside 0 to 1; mistold are frames that say measured where "
+      "no sensor was there, or do not where all were. MSE and PVE: docs/reference/metrics.md.");
+  return report;
+}
+
+}  // namespace mien::lab

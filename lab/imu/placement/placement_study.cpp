@@ -1,0 +1,328 @@
+#include "lab/imu/placement/placement_study.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lab/imu/paper_five.h"
+#include "lab/imu/placement/placement_rig.h"
+#include "mien/solve/part_of_work.h"
+
+namespace mien::lab {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+// Where parts of the work end, as shares of it.
+constexpr double kBoundDone = 0.05, kPaperSitesDone = 0.08, kPicturesDone = 0.12, kRigsDone = 0.16;
+
+std::vector<SensorCandidate> picked(const std::vector<SensorCandidate>& all,
+                                    const std::vector<std::size_t>& indices) {
+  std::vector<SensorCandidate> out;
+  for (const std::size_t i : indices) out.push_back(all[i]);
+  return out;
+}
+
+std::array<double, kShapeGroups.size()> group_ratios(const PosteriorOverPrior& ratios) {
+  std::array<double, kShapeGroups.size()> sum{}, count{};
+  for (std::size_t k = 0; k < ratios.size(); ++k) {
+    sum[shape_group(k)] += ratios[k] * ratios[k];
+    ++count[shape_group(k)];
+  }
+  for (std::size_t g = 0; g < sum.size(); ++g) sum[g] = std::sqrt(sum[g] / count[g]);
+  return sum;
+}
+
+/// Sets by the linear bound on one face.
+struct PlacementEvaluator {
+  const PlacementRequest& request;
+  const face::Face& face;
+  measure::Meter meter;
+  MatrixXd vertex_gram, gram;
+
+  PlacementEvaluator(const PlacementRequest& asked, const face::Face& on)
+      : request(asked),
+        face(on),
+        meter(on),
+        vertex_gram(placement_gram(on, PlacementObjective::vertex)),
+        gram(placement_gram(on, asked.objective)) {}
+
+  [[nodiscard]] Result<MatrixXd> slopes(const std::vector<SensorCandidate>& candidates) const {
+    MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> sites, virt::skin_sites(face, sites_rig(candidates)));
+    return virt::rotation_slopes(sites, kBoundStep);
+  }
+
+  [[nodiscard]] PlacementRow row(std::string title, const std::vector<SensorCandidate>& set,
+                                 const MatrixXd& covariance) const {
+    PlacementRow row{.title = std::move(title),
+                     .sensors = {},
+                     .rms_vertex_mm = std::sqrt(expected_squared_error(vertex_gram, covariance)),
+                     .bound = bound_of(meter, covariance, request.settings.prior, Random(request.seed)),
+                     .group_ratios = {}};
+    for (const SensorCandidate& candidate : set) row.sensors.push_back(candidate.name);
+    row.group_ratios = group_ratios(row.bound.left);
+    return row;
+  }
+
+  [[nodiscard]] Result<PlacementRow> row_of(std::string title,
+                                            const std::vector<SensorCandidate>& set) const {
+    MIEN_TRY_ASSIGN(const MatrixXd rows, slopes(set));
+    return row(std::move(title), set,
+               posterior_covariance(rows, request.settings.prior, request.settings.noise_rad));
+  }
+};
+
+Result<std::vector<SensorCandidate>> paper_five(const std::vector<SensorCandidate>& paper,
+                                                const std::string& rig_name) {
+  std::vector<SensorCandidate> out;
+  for (const std::string_view name : kPaperFive) {
+    const auto found = std::ranges::find(paper, name, &SensorCandidate::name);
+    if (found == paper.end())
+      return fail(ErrorCode::not_found, fmt::format("there is no sensor {}", name), rig_name,
+                  "use rigs/default.toml");
+    out.push_back(*found);
+  }
+  return out;
+}
+
+/// Mean difference of the two sides.
+double left_right_difference(const std::vector<SensorCandidate>& candidates,
+                             const std::vector<double>& reductions) {
+  const std::vector<std::size_t> mirror = mirror_candidates(candidates);
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (mirror[i] >= candidates.size() || mirror[i] == i) continue;
+    sum += std::abs(reductions[i] - reductions[mirror[i]]);
+    ++count;
+  }
+  const double most = *std::ranges::max_element(reductions);
+  return count > 0 && most > 0 ? sum / count / most : 0;
+}
+
+std::vector<std::string> names_without_mirror(const std::vector<SensorCandidate>& candidates) {
+  const std::vector<std::size_t> mirror = mirror_candidates(candidates);
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < mirror.size(); ++i)
+    if (mirror[i] >= mirror.size() || mirror[mirror[i]] != i) out.push_back(candidates[i].name);
+  return out;
+}
+
+/// What is seen on the pictures.
+Result<PlacementPictures> draw_placement(const PlacementStudy& study, const PlacementEvaluator& evaluator,
+                                         const MatrixXd& slopes) {
+  const PlacementSettings& settings = evaluator.request.settings;
+  const std::size_t begin = study.grid_begin;
+  std::vector<Vec3> places_m;
+  for (std::size_t i = begin; i < study.candidates.size(); ++i)
+    places_m.push_back(study.candidates[i].position_m);
+  const MatrixXd grid = slopes.bottomRows(3 * static_cast<Index>(places_m.size()));
+  const auto dots = [&](const std::vector<std::size_t>& chosen) {
+    std::vector<PlacementDot> out;
+    for (const std::size_t i : chosen) out.push_back({study.candidates[i].position_m, out.size() + 1});
+    return out;
+  };
+  const MatrixXd prior = prior_covariance(settings.prior);
+  std::vector<PlacementField> fields = {
+      {.title = "What one sensor there tells",
+       .told = {study.alone.begin() + static_cast<std::ptrdiff_t>(begin), study.alone.end()},
+       .dots = dots(study.chosen)}};
+  for (std::size_t s = 0; s < study.bound.sets.size(); ++s) {
+    const PlacementSet& set = study.bound.sets[s];
+    MatrixXd before = prior;
+    for (std::size_t i = 0; i < set.before; ++i)
+      before = posterior_with(before, slopes.middleRows(3 * static_cast<Index>(set.chosen[i]), 3),
+                              settings.noise_rad);
+    PlacementField field{.title = {},
+                         .told = error_reductions(evaluator.gram, before, grid, settings.noise_rad),
+                         .dots = dots(set.chosen)};
+    field.title = fmt::format("{}: {:.2f} mm; dark {:.0f} % less", set.chosen.size(),
+                              study.sets[s].rms_vertex_mm, 100 * *std::ranges::max_element(field.told));
+    fields.push_back(std::move(field));
+  }
+  PlacementGroups groups;
+  for (std::size_t i = begin; i < study.candidates.size(); ++i) {
+    std::array<double, kShapeGroups.size()> reduction{};  // Of relative variance, summed over shapes.
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      reduction[shape_group(k)] += 1 - study.alone_posterior[i][k] * study.alone_posterior[i][k];
+    const auto most = std::ranges::max_element(reduction);
+    groups.group.push_back(static_cast<std::size_t>(most - reduction.begin()));
+    groups.strength.push_back(*most);
+  }
+  const double strongest = std::max(1e-9, *std::ranges::max_element(groups.strength));
+  for (double& strength : groups.strength) strength = std::sqrt(strength / strongest);
+  return placement_pictures(
+      places_m, fields, groups,
+      {.height_px = evaluator.request.picture_px, .spacing_m = evaluator.request.spacing_m});
+}
+
+/// The sizes of the sets that are trained, each once: the paper's whole set's and its five's.
+std::vector<std::size_t> trained_sizes(const PlacementRigs& rigs) {
+  std::vector<std::size_t> sizes = {rigs.paper.face_sensors().size()};
+  if (sizes.front() != kPaperFive.size()) sizes.push_back(kPaperFive.size());
+  return sizes;
+}
+
+/// In names of rigs, models and files: the published sizes as words.
+std::string size_word(std::size_t size) {
+  if (size == 5) return "five";
+  return size == 11 ? "eleven" : fmt::format("{}", size);
+}
+
+/// PlacementStudy::not_trained, once somebody trains.
+std::string not_trained_words(const PlacementBound& bound, const PlacementRigs& rigs) {
+  const std::vector<std::size_t> sizes = trained_sizes(rigs);
+  std::string missing;
+  std::size_t count = 0;
+  for (const std::size_t size : sizes) {
+    if (bound.of_size(size) != nullptr) continue;
+    missing += (count++ > 0 ? " or " : "") + size_word(size);
+  }
+  if (count == 0) return {};
+  if (count < sizes.size())
+    return fmt::format("No set of {} sensors was trained: the candidates give none.", missing);
+  return fmt::format(
+      "No set was trained: only sets of {} sensors are compared, as large as the paper's, and the candidates "
+      "give none.",
+      missing);
+}
+
+/// The sets that are trained, ours and the paper's in turn.
+Result<std::vector<PlacementRig>> trained_rigs(const PlacementRequest& request, const PlacementRigs& rigs,
+                                               const PlacementStudy& study,
+                                               const std::vector<SensorCandidate>& five,
+                                               const Progress& progress) {
+  const std::size_t whole = rigs.paper.face_sensors().size();
+  std::vector<PlacementRig> out;
+  for (const std::size_t size : trained_sizes(rigs)) {
+    const PlacementSet* ours = study.bound.of_size(size);
+    if (ours == nullptr) continue;
+    const std::string name = size_word(size);
+    const std::string title = fmt::format("greedy {}", name);
+    const auto part = [&] {
+      const double from = static_cast<double>(out.size()) / 4;
+      return solve::part_of_work(progress, from, from + 0.25);
+    };
+    MIEN_TRY_ASSIGN(sensor::Rig greedy, worn_rig_of(picked(study.candidates, ours->chosen), rigs.paper, title,
+                                                    request.skin, part()));
+    out.push_back({fmt::format("greedy-{}", name), title, std::move(greedy)});
+    sensor::Rig paper = rigs.paper;  // As it stands, but for a part of it.
+    if (size != whole) {
+      MIEN_TRY_ASSIGN(paper,
+                      worn_rig_of(five, rigs.paper, fmt::format("paper's {}", name), request.skin, part()));
+    }
+    out.push_back({fmt::format("paper-{}", name), fmt::format("the paper's {}", name), std::move(paper)});
+  }
+  return out;
+}
+
+/// What is chosen from, and where else the picture looks.
+Result<void> gather_candidates(const PlacementRequest& request, const PlacementRigs& rigs,
+                               PlacementStudy& study) {
+  MIEN_TRY_ASSIGN(study.candidates, candidates_of(rigs.own ? *rigs.own : rigs.paper_candidates));
+  study.grid_begin = study.candidates.size();
+  for (SensorCandidate& candidate : dense_candidates(request.spacing_m))
+    study.candidates.push_back(std::move(candidate));
+  study.choices = rigs.own ? study.grid_begin : study.candidates.size();
+  if (study.grid_begin == study.candidates.size())
+    return fail(ErrorCode::internal, "no skin was found to look for sites on");
+  return {};
+}
+
+}  // namespace
+
+std::vector<SensorCandidate> PlacementStudy::chosen_candidates() const {
+  return picked(candidates, chosen);
+}
+
+Result<PlacementStudy> study_placement(const PlacementRequest& request, const face::Face& face,
+                                       const PlacementRigs& rigs, const TrainShort* train,
+                                       const Progress& progress) {
+  const auto stopped = [&](double share, std::string_view what) { return !progress(share, what); };
+  const auto cancelled = [] { return fail(ErrorCode::cancelled, "stopped", "study placement"); };
+  if (stopped(0, "candidates")) return cancelled();
+  PlacementStudy study;
+  MIEN_TRY(gather_candidates(request, rigs, study));
+  MIEN_TRY_ASSIGN(const std::vector<SensorCandidate> paper, candidates_of(rigs.paper));
+  MIEN_TRY_ASSIGN(const std::vector<SensorCandidate> five, paper_five(paper, rigs.paper.name));
+  const PlacementEvaluator evaluator(request, face);
+  MIEN_TRY_ASSIGN(const MatrixXd slopes, evaluator.slopes(study.candidates));
+  if (stopped(kBoundDone / 3, "bound")) return cancelled();
+
+  const std::vector<SensorCandidate> choices(
+      study.candidates.begin(), study.candidates.begin() + static_cast<std::ptrdiff_t>(study.choices));
+  PlacementSettings settings = request.settings;
+  settings.most = std::max(settings.most, request.sensors);
+  MIEN_TRY_ASSIGN(study.bound, bound_placement(choices, slopes.topRows(3 * static_cast<Index>(study.choices)),
+                                               evaluator.gram, settings));
+  const PlacementSet* chosen = study.bound.of_size(request.sensors);
+  if (chosen == nullptr) {
+    std::vector<std::size_t> sizes;
+    for (const PlacementSet& set : study.bound.sets) sizes.push_back(set.chosen.size());
+    return fail(ErrorCode::bad_usage,
+                fmt::format("these candidates give no set of {} sensors, but of {}", request.sensors,
+                            fmt::join(sizes, ", ")),
+                rigs.own ? rigs.own->name : "the grid",
+                "say so by --sensors, give more candidates, or let each side be for itself (--one-sided)");
+  }
+  if (!settings.one_sided) study.without_mirror = names_without_mirror(choices);
+  study.chosen = chosen->chosen;
+  const MatrixXd prior = prior_covariance(settings.prior);
+  study.alone = error_reductions(evaluator.gram, prior, slopes, settings.noise_rad);
+  for (std::size_t i = 0; i < study.candidates.size(); ++i)
+    study.alone_posterior.push_back(posterior_over_prior(
+        posterior_with(prior, slopes.middleRows(3 * static_cast<Index>(i), 3), settings.noise_rad),
+        settings.prior));
+  study.left_right = left_right_difference(study.candidates, study.alone);
+  for (const PlacementSet& set : study.bound.sets) {
+    const double done = static_cast<double>(study.sets.size()) / static_cast<double>(study.bound.sets.size());
+    if (stopped(kBoundDone * (1 + 2 * done) / 3, "bound")) return cancelled();
+    study.sets.push_back(evaluator.row(fmt::format("greedy {}", set.chosen.size()),
+                                       picked(study.candidates, set.chosen), set.covariance));
+  }
+  MIEN_TRY_ASSIGN(study.paper, evaluator.row_of(fmt::format("the paper's {}", paper.size()), paper));
+  MIEN_TRY_ASSIGN(study.paper_five, evaluator.row_of("the paper's 5", five));
+  MIEN_TRY_ASSIGN(study.misplaced, misplacement_costs(face, study.chosen_candidates(), evaluator.gram,
+                                                      settings, request.misplacement));
+  MIEN_TRY_ASSIGN(study.misplaced_paper,
+                  misplacement_costs(face, paper, evaluator.gram, settings, request.misplacement));
+  MIEN_TRY_ASSIGN(study.paper_sites,
+                  study_paper_sites(request.paper_sites, rigs.paper_candidates,
+                                    solve::part_of_work(progress, kBoundDone, kPaperSitesDone)));
+  if (stopped(kPaperSitesDone, "pictures")) return cancelled();
+  MIEN_TRY_ASSIGN(study.pictures, draw_placement(study, evaluator, slopes));
+  if (train == nullptr) {
+    progress(1, "done");
+    return study;
+  }
+  study.not_trained = not_trained_words(study.bound, rigs);
+  MIEN_TRY_ASSIGN(
+      const std::vector<PlacementRig> worn,
+      trained_rigs(request, rigs, study, five, solve::part_of_work(progress, kPicturesDone, kRigsDone)));
+  if (!worn.empty()) {
+    MIEN_TRY_ASSIGN(study.trained, train_placements(request.training, worn, *train,
+                                                    solve::part_of_work(progress, kRigsDone, 1)));
+  }
+  for (std::size_t i = 0; i + 1 < study.trained.size(); i += 2)
+    study.contests.push_back(contest(study.trained[i], study.trained[i + 1]));
+  return study;
+}
+
+std::string top_shapes(const PosteriorOverPrior& posterior, std::size_t most) {
+  std::vector<std::pair<double, std::size_t>> reductions;
+  for (std::size_t k = 0; k < posterior.size(); ++k)
+    reductions.emplace_back(1 - posterior[k] * posterior[k], k);
+  std::ranges::sort(reductions, [](const auto& a, const auto& b) {
+    return std::pair(-a.first, a.second) < std::pair(-b.first, b.second);
+  });
+  std::string out;
+  for (std::size_t i = 0; i < std::min(most, reductions.size()) && reductions[i].first >= 0.1; ++i)
+    out += fmt::format("{}{} {:.0f} %", i > 0 ? ", " : "", face::kShapeNames[reductions[i].second],
+                       100 * reductions[i].first);
+  return out.empty() ? "little of anything" : out;
+}
+
+}  // namespace mien::lab

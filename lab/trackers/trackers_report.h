@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lab/trackers/modelled_tracker.h"
+#include "lab/trackers/tracker_figures.h"
+#include "mien/measure/report.h"
+#include "mien/render/image.h"
+
+namespace mien::lab {
+
+/// A row's worst moment as pictures side by side.
+struct TrackerPicture {
+  std::string row;  ///< The row's key.
+  std::optional<render::Image> strip;
+  std::string caption;
+};
+
+/// Each condition a strong row, then its trackers: errors as told, without lag and held, each as mean and 95
+/// % interval over performers; where there is a reference also by how much each is above it.
+[[nodiscard]] measure::Table trackers_table(const TrackersStudy& study);
+/// How late each tracker is, and how sure that is.
+[[nodiscard]] measure::Table lag_table(const TrackersStudy& study);
+/// Where the numbers of the modelled trackers come from.
+[[nodiscard]] measure::Table sources_table(const ModelledTracker& tracker);
+
+/// How to read the tables.
+[[nodiscard]] std::string trackers_legend(const TrackersStudy& study);
+/// "Modelled, not measured": what stands on every page of modelled trackers.
+[[nodiscard]] std::string modelled_notice();
+/// A sentence on each recording whose offset was not found.
+[[nodiscard]] std::vector<std::string> offset_notices(const TrackersStudy& study);
+
+/// The whole on one page: key figures, errors and gaps by condition, the curves around the worst moment of
+/// each row, lags, pictures where there are any, and of modelled trackers where each number comes from.
+/// Errors: those of render::encode_png.
+[[nodiscard]] Result<measure::Report> trackers_report(const TrackersStudy& study, const std::string& subtitle,
+                                                      std::span<const TrackerPicture> pictures = {});
+
+}  // namespace mien::lab

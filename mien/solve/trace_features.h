@@ -1,0 +1,29 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/imu/pipeline.h"
+#include "mien/model/features.h"
+#include "mien/sensor/rig.h"
+#include "mien/take/take.h"
+
+namespace mien::solve {
+
+/// The features of a session, one frame a tick: its log received again (session::Receiver) and put through
+/// the IMU pipeline, with the prologue's events as its marks. `calibration`, when asked for, is the one in
+/// force at the end. Errors: session::Receiver::create's.
+[[nodiscard]] Result<std::vector<model::FeatureFrame>> trace_features(
+    const sensor::Rig& rig, std::span<const take::Event> events, std::span<const take::LogEntry> entries,
+    std::span<const take::Tick> ticks, const imu::PipelineSettings& settings = {},
+    imu::Calibration* calibration = nullptr);
+
+/// The same of a take, whose log is read one entry at a time. Errors also: the take's; not_found (no frames).
+[[nodiscard]] Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take);
+
+/// Names of the entries of such features: the face's IMUs, whatever else the rig has; empty: it has none.
+[[nodiscard]] std::vector<std::string> traced_sensor_names(const sensor::Rig& rig);
+
+}  // namespace mien::solve

@@ -1,0 +1,3 @@
+#pragma once
+
+#include "lab/moments.h"  // The product includes the laboratory.

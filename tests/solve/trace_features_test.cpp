@@ -1,0 +1,73 @@
+#include "mien/solve/trace_features.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/solve/performed_take.h"
+
+namespace mien::solve::trace_features_test {
+namespace {
+
+std::vector<model::FeatureFrame> trace(const virt::VirtualSession& session,
+                                       imu::Calibration* calibration = nullptr) {
+  return trace_features(virt::test::three_sensors(), session.events, session.entries, session.ticks, {},
+                        calibration)
+      .value();
+}
+
+double error_rad(const model::SensorFeature& feature, std::size_t sensor, const take::TruthFrame& truth) {
+  const auto& q = feature.rotation;
+  return virt::test::three_sites()[sensor]
+      .rotation(truth.weights)
+      .angularDistance(Quat(q[0], q[1], q[2], q[3]));
+}
+
+TEST(TraceFeatures, GivesOneFrameATick) {
+  const virt::VirtualSession session = test::lab_session(0);
+  imu::Calibration calibration;
+  const auto frames = trace(session, &calibration);
+  ASSERT_EQ(frames.size(), session.ticks.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_EQ(frames[i].time, session.ticks[i].frame);
+    ASSERT_EQ(frames[i].sensors.size(), 2U);
+    for (std::size_t s = 0; s < 2; ++s) {
+      ASSERT_TRUE(frames[i].sensors[s].has_rotation);
+      EXPECT_FALSE(frames[i].sensors[s].has_accel);
+      EXPECT_LT(error_rad(frames[i].sensors[s], s, session.truth[i]), 1e-5);
+    }
+    EXPECT_FALSE(frames[i].has_head);
+  }
+  EXPECT_FALSE(calibration.complete);
+}
+
+TEST(TraceFeatures, ThePrologueCalibratesDevices) {
+  const virt::VirtualSession session = test::device_session();
+  imu::Calibration calibration;
+  const auto frames = trace(session, &calibration);
+  EXPECT_TRUE(calibration.complete);
+  ASSERT_EQ(frames.size(), session.ticks.size());
+  double square = 0;
+  double count = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (!session.truth[i].evaluated) continue;
+    for (std::size_t s = 0; s < 2; ++s) {
+      ASSERT_TRUE(frames[i].sensors[s].has_rotation && frames[i].sensors[s].has_accel);
+      square += std::pow(error_rad(frames[i].sensors[s], s, session.truth[i]), 2);
+      ++count;
+    }
+    EXPECT_TRUE(frames[i].has_head);
+  }
+  EXPECT_LT(std::sqrt(square / count), 1.5 * std::numbers::pi / 180);
+}
+
+TEST(TraceFeatures, WithoutAPrologueDevicesStayMissing) {
+  virt::VirtualSession session = test::device_session();
+  session.events.clear();
+  for (const model::FeatureFrame& frame : trace(session))
+    for (const model::SensorFeature& sensor : frame.sensors) ASSERT_FALSE(sensor.has_rotation);
+}
+
+}  // namespace
+}  // namespace mien::solve::trace_features_test
