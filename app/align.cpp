@@ -140,7 +140,7 @@ Result<void> run_align(const AlignOptions& options) {
 void add_align_command(Commands& commands) {
   auto options = std::make_shared<AlignOptions>();
   const Command command = commands.add(
-      "align", "Finds a phone's time beside a take's sensors, by how the face moves",
+      "align", "Finds a phone's time beside a take's sensors, by how faces move",
       "mien align take.mien phone.csv --out truth.csv", [options] { return run_align(*options); });
   command.add_option("take", options->take, "The take").required();
   command.add_option(
@@ -153,7 +153,7 @@ void add_align_command(Commands& commands) {
   command.add_flag("--raw", options->raw,
                    "Read the phone's file as named, even where a calibrated NAME_cal.csv lies beside it");
   add_film_options(command, options->film);
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_json_flag(command, options->json);
 }
 
 }  // namespace mien::app

@@ -47,7 +47,9 @@ Commands::Commands(const std::string& program, const std::string& does)
 
 Command Commands::add(const std::string& name, const std::string& does, const std::string& example,
                       std::function<Result<void>()> run) {
-  return add_under(line_.program(), name, does, example, std::move(run));
+  const Command command = add_under(line_.program(), name, does, example, std::move(run));
+  if (!group_.empty()) command.heading(group_);
+  return command;
 }
 
 Command Commands::add_under(Command parent, const std::string& name, const std::string& does,
@@ -56,6 +58,14 @@ Command Commands::add_under(Command parent, const std::string& name, const std::
   command.footer("\nExample:\n  " + example);
   runs_.emplace_back(command, std::move(run));
   return command;
+}
+
+void add_json_flag(const Command& command, bool& json) {
+  command.add_flag("--json", json, "Print one JSON object");
+}
+
+Option add_rig_option(const Command& command, std::string& rig) {
+  return command.add_option("--rig", rig, "Rig file (default: rigs/default.toml)");
 }
 
 std::vector<std::string> command_names(const Command& command) {

@@ -21,8 +21,11 @@ class Commands {
  public:
   Commands(const std::string& program, const std::string& does);
 
+  /// The commands that are added from now on stand under this heading in --help.
+  void heading(const std::string& group) { group_ = group; }
   /// Whether --help says that a command line names a command, and parsing asks for it.
   void require_one(bool required) { line_.program().require_commands(required ? 1 : 0, 1); }
+  /// `does`: at most 64 characters, so that the list of commands has a line of 80 columns for each.
   /// `example` is shown at the end of --help, as one would type it.
   Command add(const std::string& name, const std::string& does, const std::string& example,
               std::function<Result<void>()> run);
@@ -40,6 +43,7 @@ class Commands {
   [[nodiscard]] Result<void> run() const;
 
   CommandLine line_;
+  std::string group_;
   std::vector<std::pair<Command, std::function<Result<void>()>>> runs_;
 };
 
@@ -55,6 +59,11 @@ class Commands {
 /// asked before long work. Errors: bad_usage, not_found, io (the folder cannot be written to).
 [[nodiscard]] Result<void> check_output(const std::filesystem::path& path,
                                         std::initializer_list<std::string_view> endings);
+
+/// What several commands share. --json: stdout is one JSON object.
+void add_json_flag(const Command& command, bool& json);
+/// --rig, the rig's file.
+Option add_rig_option(const Command& command, std::string& rig);
 
 /// The names of a command's own commands.
 [[nodiscard]] std::vector<std::string> command_names(const Command& command);

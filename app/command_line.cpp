@@ -103,6 +103,10 @@ Command Command::add_command(const std::string& name, const std::string& does) c
   return Command(command_->add_subcommand(name, does));
 }
 
+void Command::heading(const std::string& group) const {
+  command_->group(group);
+}
+
 Command Command::add_group(const std::string& name, const std::string& does) const {
   return Command(command_->add_option_group(name, does));
 }
@@ -194,6 +198,10 @@ CommandLine::CommandLine(const std::string& name, const std::string& does, const
 CommandLine::~CommandLine() = default;
 
 std::expected<bool, ParseError> CommandLine::parse(int argc, char** argv) {
+  // Narrower than its commands' help: names of commands are short.
+  const auto list = std::make_shared<CLI::Formatter>();
+  list->column_width(15);
+  program_->formatter(list);
   try {
     program_->parse(argc, argv);
     return true;

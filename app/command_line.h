@@ -77,6 +77,8 @@ class Command {
   explicit Command(CLI::App* command) : command_(command) {}
 
   [[nodiscard]] Command add_command(const std::string& name, const std::string& does) const;
+  /// Stands under this heading in the list of its program's commands.
+  void heading(const std::string& group) const;
   /// Its options under a heading of their own.
   [[nodiscard]] Command add_group(const std::string& name, const std::string& does) const;
   /// `name`: "--name", or "name" for a word told by its place. `value` is written by CommandLine::parse(),

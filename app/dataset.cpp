@@ -131,7 +131,7 @@ void add_split_command(Commands& commands, Command parent) {
       .number_between(0.0, 1.0)
       .show_default();
   command.add_flag("--force", options->force, "Replace an existing file");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_json_flag(command, options->json);
 }
 
 void add_windows_command(Commands& commands, Command parent) {
@@ -151,7 +151,7 @@ void add_windows_command(Commands& commands, Command parent) {
       .in_range(std::size_t{1}, dataset::kLongestWindow)
       .show_default();
   command.add_flag("--force", options->request.force, "Replace an export that is there");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_json_flag(command, options->json);
 }
 
 }  // namespace
@@ -163,15 +163,14 @@ void add_dataset_command(Commands& commands) {
   };
   const auto options = std::make_shared<Options>();
   const Command parent = commands.add(
-      "dataset",
-      "What a folder of takes holds to train on: who, how much, how good, what is left out and why",
+      "dataset", "What a folder of takes holds to train on, and what is left out",
       "mien dataset takes/\n  mien dataset split takes/ --out splits.toml\n  mien dataset export takes/ "
       "--splits "
       "splits.toml --out windows/",
       [options] { return list_dataset(options->folder, options->json); });
   parent.require_commands(0, 1);
   parent.add_option("folder", options->folder, "The folder with the takes");
-  parent.add_flag("--json", options->json, "Print one JSON object");
+  add_json_flag(parent, options->json);
   add_split_command(commands, parent);
   add_windows_command(commands, parent);
 }

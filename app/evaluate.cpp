@@ -225,7 +225,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
 void add_evaluate_command(Commands& commands) {
   auto options = std::make_shared<EvaluateOptions>();
   const Command command = commands.add(
-      "evaluate", "Measures the live model, or another, on takes with truth, beside its baselines",
+      "evaluate", "Measures a model on takes with truth, beside its baselines",
       "mien evaluate take.mien --report take.html", [options] { return run_evaluate(*options); });
   command.add_option("takes", options->takes, "Takes with a truth track, or with --truth").required();
   options->model.add_to(command);
@@ -249,7 +249,7 @@ void add_evaluate_command(Commands& commands) {
           "Do not personalise the live model on a take's full prologue first; with --truth, and of a model "
           "that learnt from a phone, it never is")
       .excludes(command.option("--window"));
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_json_flag(command, options->json);
 }
 
 }  // namespace mien::app

@@ -93,13 +93,12 @@ Result<void> run_export(const ExportOptions& options) {
 
 void add_export_command(Commands& commands) {
   auto options = std::make_shared<ExportOptions>();
-  const Command command = commands.add(
-      "export",
-      "Writes a motion as Live Link CSV, as animated glTF, or as markers on the skin; or a model as ONNX",
-      "mien export --motion take.mien --names arkit --out take.glb\n  mien export --model "
-      "models/live.safetensors --out "
-      "live.onnx",
-      [options] { return run_export(*options); });
+  const Command command =
+      commands.add("export", "Writes a motion as CSV, glTF or markers, or a model as ONNX",
+                   "mien export --motion take.mien --names arkit --out take.glb\n  mien export --model "
+                   "models/live.safetensors --out "
+                   "live.onnx",
+                   [options] { return run_export(*options); });
   const Option motion =
       command.add_option("--motion", options->motion, "A Live Link CSV, or a take, whose truth it is");
   const Option model =
@@ -139,7 +138,7 @@ void add_export_command(Commands& commands) {
                 "The graph takes what sensors say (m/s^2, quaternions, flags), not the model's normalised "
                 "condition")
       .needs(model);
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_json_flag(command, options->json);
 }
 
 }  // namespace mien::app

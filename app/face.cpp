@@ -133,7 +133,7 @@ void add_face_command(Commands& commands) {
   const Command face = commands.add("face", "Shows what a face model is made of", "mien face --face builtin",
                                     [arguments] { return show(*arguments); });
   face.add_option("--face", arguments->face, kFaceHelp).show_default();
-  face.add_flag("--json", arguments->json, "One JSON object on stdout");
+  add_json_flag(face, arguments->json);
   const Command exported =
       commands.add_under(face, "export", "Writes the face to a file that other programs open",
                          "mien face export --face builtin --names arkit --out face.glb",
@@ -144,7 +144,7 @@ void add_face_command(Commands& commands) {
       .required();
   add_names_option(exported, arguments->names);
   add_textures_option(exported, arguments->textures);
-  exported.add_flag("--json", arguments->json, "One JSON object on stdout");
+  add_json_flag(exported, arguments->json);
   add_face_profiles_command(commands, face);
 }
 

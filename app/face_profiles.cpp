@@ -166,7 +166,7 @@ void add_face_profiles_command(Commands& commands, Command face) {
       "tongue, and what has no counterpart, with the reason",
       "mien face profiles openxr_fb_70", [arguments] { return show_profiles(*arguments); });
   profiles.add_option("name", arguments->name, "One of them, with its table shape by shape; all unless told");
-  profiles.add_flag("--json", arguments->json, "One JSON object on stdout");
+  add_json_flag(profiles, arguments->json);
 }
 
 }  // namespace mien::app

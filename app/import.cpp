@@ -166,10 +166,7 @@ Result<void> run_import(const ImportOptions& options) {
 void add_import_command(Commands& commands) {
   auto options = std::make_shared<ImportOptions>();
   const Command command = commands.add(
-      "import",
-      "Makes a take of a recorded motion, of recorded markers or of what a headset's cameras recorded; "
-      "weights "
-      "become its truth",
+      "import", "Makes a take of recorded motion, markers or camera pictures",
       "mien import MySlate_3.csv --take alex.mien\n"
       "  mien import --camera eye_L=left/ --camera eye_R=right.mp4 --fps 25 --rig rigs/headset.toml "
       "--out eyes.mien",
@@ -187,7 +184,7 @@ void add_import_command(Commands& commands) {
   options->markers.add_to(command);
   options->cameras.add_to(command);
   command.add_flag("--force", options->force, "Replace an existing take");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_json_flag(command, options->json);
 }
 
 }  // namespace mien::app

@@ -36,17 +36,15 @@ Command add_laboratory_command(Commands& commands, const std::string& name, cons
 
 void add_study_command(Commands& commands) {
   const Command study = add_laboratory_command(
-      commands, "study", "The experiments behind the numbers (starts the helper mien-lab), and a rig's skin",
+      commands, "study", "The experiments behind the numbers (helper mien-lab); rigs' skin",
       "mien study bound --face builtin");
   add_skin_command(commands, study);
   study.pass_on();
 }
 
 void add_bench_command(Commands& commands) {
-  add_laboratory_command(
-      commands, "bench",
-      "How fast it is on this machine, beside what it is compared with (starts the helper mien-lab)",
-      "mien bench live")
+  add_laboratory_command(commands, "bench", "How fast it is on this machine, beside peers (helper mien-lab)",
+                         "mien bench live")
       .pass_on();
 }
 

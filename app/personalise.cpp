@@ -130,11 +130,10 @@ Result<void> run_personalise(PersonaliseOptions options) {
 
 void add_personalise_command(Commands& commands) {
   auto options = std::make_shared<PersonaliseOptions>();
-  const Command command = commands.add(
-      "personalise",
-      "Learns one wearer: how skin moves from a minute of prompts, or from a phone what answers lack",
-      "mien personalise minute.mien --out me.safetensors && mien live --model me.safetensors",
-      [options] { return run_personalise(*options); });
+  const Command command =
+      commands.add("personalise", "Learns one wearer, from a minute of prompts or from a phone",
+                   "mien personalise minute.mien --out me.safetensors && mien live --model me.safetensors",
+                   [options] { return run_personalise(*options); });
   command.add_option("take", options->take, "A take with a full prologue or prompts, or with a truth")
       .required();
   options->phone.add_to(command, "Learn what the answers lack");
@@ -144,7 +143,7 @@ void add_personalise_command(Commands& commands) {
                      "a wearer's skin in it; "
                      "a phone does");
   command.add_flag("--force", options->force, "Replace an existing model");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_json_flag(command, options->json);
 }
 
 }  // namespace mien::app

@@ -190,7 +190,7 @@ Result<void> run_render(RenderOptions options) {
 void add_render_command(Commands& commands) {
   auto options = std::make_shared<RenderOptions>();
   const Command command =
-      commands.add("render", "Draws a face: a still, a film of a motion, or truth beside capture",
+      commands.add("render", "Draws a face: a still, a film, or truth beside capture",
                    "mien render --face builtin:ada --pose smile --light studio --out smile.png\n"
                    "  mien render --weights jawOpen=0.4,mouthSmile_L=1 --view three-quarter --out smile.png\n"
                    "  mien render --truth take.mien --capture capture.csv --out compare.mp4",
@@ -236,7 +236,7 @@ void add_render_command(Commands& commands) {
   command.add_option("--until", options->until_s, "Where it ends, seconds").positive();
   command.add_option("--audio", options->audio, "A WAV file to play along; a take's own sound unless told");
   command.add_option("--out", options->out, "The .png or .mp4 to write").required();
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_json_flag(command, options->json);
 }
 
 }  // namespace mien::app

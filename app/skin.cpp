@@ -34,7 +34,7 @@ void add_skin_command(Commands& commands, const Command& study) {
   const Command command =
       commands.add_under(study, "skin", "How skin turns under a rig's sensors: the [skin] table of its file",
                          "mien study skin --rig my_rig.toml > skin.toml", [skin] { return run_skin(*skin); });
-  command.add_option("--rig", skin->rig, "Rig file (default: rigs/default.toml)");
+  add_rig_option(command, skin->rig);
   command.add_option("--performers", skin->request.performers, "Virtual performers")
       .in_range(1, 100000)
       .show_default();

@@ -17,7 +17,6 @@ struct SolveOptions {
   std::string take;
   ModelOption model;
   ShapingOption shaping;
-  bool from_log = false;
   std::string out;
   std::string face;
   bool json = false;
@@ -61,11 +60,9 @@ void add_solve_command(Commands& commands) {
   command.add_option("take", options->take, "The take").required();
   options->model.add_to(command);
   options->shaping.add_to(command);
-  command.add_flag("--from-log", options->from_log,
-                   "What solve always does: the take's raw packets are received again. Kept for scripts");
   command.add_option("--out", options->out, "Write the weights: .csv (Live Link Face), .glb or .gltf");
   command.add_option("--face", options->face, "Face of a .glb or .gltf (default: the take's own)");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_json_flag(command, options->json);
 }
 
 }  // namespace mien::app

@@ -214,7 +214,7 @@ void add_take_command(Commands& commands) {
 
   for (Command command : {info_command, check_command}) {
     command.add_option("take", options->file, "The take").required();
-    command.add_flag("--json", options->json, "Print one JSON object");
+    add_json_flag(command, options->json);
   }
 }
 

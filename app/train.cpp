@@ -11,7 +11,7 @@ namespace mien::app {
 
 void add_train_command(Commands& commands) {
   const auto command = std::make_shared<std::optional<Command>>();
-  *command = commands.add("train", "Trains a model by a recipe (starts the helper mien-train)",
+  *command = commands.add("train", "Trains a model by a recipe (helper mien-train)",
                           "mien train models/recipes/default.toml --out mine.safetensors", [command] {
                             std::vector<std::string> arguments = (*command)->remaining();
                             arguments.insert(arguments.begin(), "train");

@@ -307,7 +307,7 @@ Result<void> run_recentre(const CalibrateOptions& options) {
 void add_calibrate_command(Commands& commands) {
   const auto options = std::make_shared<CalibrateOptions>();
   const Command guided =
-      commands.add("calibrate", "Leads the performer through a calibration of the running session; scores it",
+      commands.add("calibrate", "Leads through a calibration of the running session; scores it",
                    "mien calibrate full", [options] { return run_guided(*options); });
   guided.require_commands(0, 1);
   guided
@@ -344,7 +344,7 @@ void add_calibrate_command(Commands& commands) {
                     "Where the session is: HOST:PORT of its page, or the address that mien live printed")
         .show_default();
     add_token_options(command, options->token, "The page's token, where it has one");
-    command.add_flag("--json", options->json, "Print one JSON object");
+    add_json_flag(command, options->json);
   }
 }
 

@@ -256,12 +256,11 @@ Result<void> run_dataset_demo(const DemoOptions& options) {
 void add_demo_command(Commands& commands) {
   auto options = std::make_shared<DemoOptions>();
   const Command command = commands.add(
-      "demo",
-      "The main job with no hardware: a virtual performer streams through "
-      "real sockets into a live session; page, report, film, CSV and glTF come out",
+      "demo", "The main job with no hardware: a virtual performer, live",
       "mien demo --out out/demo\n  mien demo --record-dataset --out out/demo",
       [options] { return options->record_dataset ? run_dataset_demo(*options) : run_demo(*options); });
-  command.add_option("--out", options->out, "Folder for what comes out").show_default();
+  command.add_option("--out", options->out, "Folder for what comes out: report, film, CSV and glTF")
+      .show_default();
   add_seed_option(command, options->seed, "Who performs");
   command.add_option("--seconds", options->seconds, "How long").number_between(2.0, 600.0).show_default();
   command.add_option("--model", options->model, "The live model (default: models/live.safetensors)");
@@ -276,7 +275,7 @@ void add_demo_command(Commands& commands) {
           "or a TOML file")
       .show_default();
   command.add_option("--page", options->page, "Where the page is served: HOST:PORT, or off").show_default();
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_json_flag(command, options->json);
 }
 
 }  // namespace mien::app

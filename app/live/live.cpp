@@ -91,7 +91,7 @@ void add_live_command(Commands& commands) {
   auto options = std::make_shared<LiveOptions>();
   LiveRequest& request = options->request;
   const Command command = commands.add(
-      "live", "Devices in, avatar out: tracks live, with page, sinks and recording",
+      "live", "Devices in, avatar out: with page, sinks and recording",
       "mien live --listen udp://0.0.0.0:5005 --out livelink://192.168.1.7 --out vmc://127.0.0.1 --record "
       "take.mien",
       [options] { return run_live(*options); });
@@ -125,7 +125,7 @@ void add_live_command(Commands& commands) {
                            "--phone", "--force", "--takes", "--texts", "--page", "--token", "--token-file",
                            "--face", "--performer", "--key", "--for", "--log-limit"})
     replay.excludes(command.option(name));
-  command.add_flag("--json", options->json, "Print one JSON object at the end");
+  add_json_flag(command, options->json);
 }
 
 }  // namespace mien::app

@@ -190,7 +190,7 @@ Option add_session_options(Command command, LiveRequest& request) {
       "rig's cameras in their order, the first its first and so on; lines of other devices stand behind "
       "them. May be given often. Devices' languages are told apart by what they say (default: "
       "udp://0.0.0.0:5005 and udp://0.0.0.0:6969)");
-  command.add_option("--rig", request.rig, "Which sensors sit where (default: rigs/default.toml)");
+  add_rig_option(command, request.rig);
   command.add_option("--model", request.model,
                      "The live model (default: the one in models/ for the rig's sensors); a folder of "
                      "models where the rig has sensors of several kinds");

@@ -330,10 +330,7 @@ void add_perform_command(Commands& commands) {
   auto options = std::make_shared<PerformOptions>();
   virt::PerformRequest& request = options->request;
   const Command command = commands.add(
-      "perform",
-      "A virtual performer plays a script or a recorded motion through virtual "
-      "sensors, to the network in real "
-      "time or into a take",
+      "perform", "A virtual performer plays a script or motion through sensors",
       "mien perform --motion talk.csv --take talk.mien\n  mien perform --script "
       "reading --to udp://127.0.0.1:5005\n  mien perform --rig rigs/headset.toml --seconds 40 "
       "--ahead --loop --to http://127.0.0.1:8081\n  mien perform --rig rigs/headset.toml --seconds "
@@ -423,7 +420,7 @@ void add_perform_command(Commands& commands) {
           "not at all, 1 as people may differ (30 %, 15 degrees)")
       .number_between(0.0, 3.0)
       .show_default();
-  command.add_option("--rig", options->rig, "Which sensors sit where (default: rigs/default.toml)");
+  add_rig_option(command, options->rig);
   command
       .add_option("--devices", request.devices,
                   "device: real sensors' faults, as the rig states them; lab: skin rotations with 1 degree "
@@ -444,7 +441,7 @@ void add_perform_command(Commands& commands) {
       .one_of({"fast", "real"})
       .show_default();
   command.add_flag("--force", request.replace, "Replace an existing take").needs(take);
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_json_flag(command, options->json);
 }
 
 }  // namespace mien::app

@@ -109,7 +109,7 @@ void add_record_command(Commands& commands) {
   const auto options = std::make_shared<RecordOptions>();
   LiveRequest& request = options->request;
   const Command command =
-      commands.add("record", "Records devices into a take, and asks for poses meanwhile if told to",
+      commands.add("record", "Records devices into a take, with prompts where they are named",
                    "mien record --prompts one_minute --out me.mien\n  mien record --for 60 --out minute.mien",
                    [options] { return run_record(*options); });
   add_session_options(command, request);
@@ -119,7 +119,7 @@ void add_record_command(Commands& commands) {
       "Poses to show on the page, one after the other; the recording ends with them. A TOML file, "
       "one_minute, "
       "or components:N[:SEED], N poses of three seconds drawn as the published eyewear study draws its own");
-  command.add_flag("--json", options->json, "Print one JSON object at the end");
+  add_json_flag(command, options->json);
 }
 
 }  // namespace mien::app

@@ -210,7 +210,7 @@ int main(int argc, char** argv) {
   train_command.add_option("--threads", train.options.threads, "Threads on the CPU; 0 takes all cores");
   train_command.add_option("--parent", train.parent,
                            "Process that started this one: stop, with a checkpoint, when it is gone");
-  train_command.add_flag("--json", train.json, "Print the results as JSON");
+  app::add_json_flag(train_command, train.json);
 
   std::string parity_model;
   bool parity_json = false;
@@ -218,7 +218,7 @@ int main(int argc, char** argv) {
       "parity", "Compares the run time with libtorch, one call at a time",
       "mien-train parity light.safetensors", [&] { return run_parity(parity_model, parity_json); });
   parity.add_option("model", parity_model, "The model").required();
-  parity.add_flag("--json", parity_json, "Print the result as JSON");
+  app::add_json_flag(parity, parity_json);
 
   std::string step_model;
   bool step_json = false;
@@ -226,7 +226,7 @@ int main(int argc, char** argv) {
       commands.add("step", "Measures libtorch's step of a causal network, a peer of the run time",
                    "mien-train step live.safetensors", [&] { return run_step(step_model, step_json); });
   step.add_option("model", step_model, "The model").required();
-  step.add_flag("--json", step_json, "Print the result as JSON");
+  app::add_json_flag(step, step_json);
 
   SpeedArguments speed;
   const app::Command speed_command =
@@ -240,7 +240,7 @@ int main(int argc, char** argv) {
   speed_command.add_option("--dropout", speed.dropout, "Share dropped").in_range(0.0, 0.9);
   speed_command.add_option("--device", speed.device, "cpu, cuda or cuda:N");
   speed_command.add_option("--threads", speed.threads, "Threads on the CPU; 0 takes all cores");
-  speed_command.add_flag("--json", speed.json, "Print the result as JSON");
+  app::add_json_flag(speed_command, speed.json);
 
   return commands.main(argc, argv, app::plain_usage_error);
 }

@@ -38,7 +38,7 @@ constexpr std::size_t kPicturesKept = 40;
 
 Result<app::Child> start_headset(const CameraScene& scene, const std::array<std::string, 3>& cameras,
                                  const std::filesystem::path& take, std::uint16_t sink_port) {
-  MIEN_TRY_ASSIGN(const std::filesystem::path program, running_program());
+  MIEN_TRY_ASSIGN(const std::filesystem::path program, app::find_helper("mien"));
   std::vector<std::string> command = {
       program.string(), "live",        "--rig",  scene.rig,
       "--model",        scene.model,   "--out",  fmt::format("livelink://127.0.0.1:{}", sink_port),

@@ -170,7 +170,7 @@ std::filesystem::path take_in(const std::filesystem::path& folder) {
 Result<app::Child> start_session(const AttackScene& scene, const Boards& boards,
                                  const std::filesystem::path& folder, std::uint16_t port,
                                  std::uint16_t sink_port) {
-  MIEN_TRY_ASSIGN(const std::filesystem::path program, running_program());
+  MIEN_TRY_ASSIGN(const std::filesystem::path program, app::find_helper("mien"));
   const std::string address = fmt::format("udp://127.0.0.1:{}", port);
   std::vector<std::string> command = {program.string(), "live",
                                       "--rig",          scene.rig,

@@ -299,7 +299,7 @@ void add_attack_bench(app::Commands& commands, app::Command bench) {
   command.add_option("--headset-model", options->headset_model,
                      "That of the sessions with cameras (default: the one in models/)");
   app::add_seed_option(command, options->scene.seed, "Who performs, and what strangers draw");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

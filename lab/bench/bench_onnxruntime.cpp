@@ -81,7 +81,7 @@ void add_onnxruntime_bench(app::Commands& commands, app::Command bench) {
   command.add_option("--rounds", options->request.effort.rounds, "Rounds through all graphs")
       .in_range(1, 1000)
       .show_default();
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

@@ -160,7 +160,7 @@ void add_render_bench(app::Commands& commands, app::Command bench) {
       .show_default();
   command.add_option("--face", options->face, fmt::format("Whom stills and film show: {}", app::kFaceHelp))
       .show_default();
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

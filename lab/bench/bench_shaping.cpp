@@ -203,7 +203,7 @@ void add_shaping_bench(app::Commands& commands, app::Command bench) {
   command.add_option("--frames", options->frames, "How many frames are measured, five times a row")
       .in_range(600, 10'000'000)
       .show_default();
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

@@ -108,7 +108,7 @@ void add_speech_bench(app::Commands& commands, app::Command bench) {
       "mien bench speech talk.wav", [options] { return run_speech_bench(*options); });
   command.add_option("sound", options->sound, "A WAV file of speech").required();
   command.add_option("--model", options->model, "The network (default: models/speech.safetensors)");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

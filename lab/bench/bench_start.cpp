@@ -129,7 +129,7 @@ app::Json start_figures(const std::vector<Start>& starts) {
 }
 
 Result<void> run_start_bench(const StartBench& options) {
-  MIEN_TRY_ASSIGN(const fs::path program, running_program());
+  MIEN_TRY_ASSIGN(const fs::path program, app::find_helper("mien"));
   MIEN_TRY_ASSIGN(const auto performer, Performer::begin());
   const auto session = [&](const char* page) {
     return start_session(
@@ -198,7 +198,7 @@ void add_start_bench(app::Commands& commands, app::Command bench) {
       "beside them what loading the program takes",
       "mien bench start --times 20 --json", [options] { return run_start_bench(*options); });
   start.add_option("--times", options->times, "How often each is started").in_range(1, 1000).show_default();
-  start.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(start, options->json);
 }
 
 }  // namespace mien::lab

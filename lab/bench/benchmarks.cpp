@@ -213,7 +213,7 @@ void add_benchmarks(app::Commands& commands) {
       .number_between(2.0, 3600.0)
       .show_default();
   live.add_option("--model", options->model, "The live model (default: models/live.safetensors)");
-  live.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(live, options->json);
   add_start_bench(commands, bench);
   add_attack_bench(commands, bench);
   add_render_bench(commands, bench);
@@ -235,7 +235,7 @@ void add_benchmarks(app::Commands& commands) {
       .show_default();
   causal.add_option("--model", asked->model, "The live model (default: models/live.safetensors)");
   causal.add_flag("--no-peers", asked->no_peers, "Do not run ONNX Runtime and libtorch beside it");
-  causal.add_flag("--json", asked->json, "Print one JSON object");
+  app::add_json_flag(causal, asked->json);
 
   auto headset = std::make_shared<HeadsetBench>();
   const app::Command cameras =
@@ -251,7 +251,7 @@ void add_benchmarks(app::Commands& commands) {
       .show_default();
   cameras.add_option("--seed", headset->seed, "Of the weights and the pictures").show_default();
   cameras.add_flag("--no-peers", headset->no_peers, "Do not run ONNX Runtime beside it");
-  cameras.add_flag("--json", headset->json, "Print one JSON object");
+  app::add_json_flag(cameras, headset->json);
 }
 
 }  // namespace mien::lab

@@ -17,7 +17,6 @@
 #include "lab/commands/study_hours.h"
 #include "lab/commands/study_live.h"
 #include "lab/commands/study_loss.h"
-#include "lab/commands/study_lost.h"
 #include "lab/commands/study_motion.h"
 #include "lab/commands/study_placement.h"
 #include "lab/commands/study_sensors.h"
@@ -102,7 +101,6 @@ void add_studies(app::Commands& commands) {
   add_study_headset(commands, study);
   add_study_live(commands, study);
   add_study_loss(commands, study);
-  add_study_lost(commands, study);
   add_study_motion(commands, study);
   add_study_placement(commands, study);
   add_study_sensors(commands, study);
@@ -114,7 +112,7 @@ void add_studies(app::Commands& commands) {
       study, "bound", "What a rig can see at best on a face, by theory",
       "mien study bound --face FaceXModel --noise 1", [bound] { return run_bound(*bound); });
   command.add_option("--face", bound->face, "As mien face takes it").show_default();
-  command.add_option("--rig", bound->rig, "Rig file (default: rigs/default.toml)");
+  app::add_rig_option(command, bound->rig);
   command.add_option("--prior", bound->prior, "Standard deviation of each weight beforehand")
       .number_between(1e-3, 10.0)
       .show_default();
@@ -122,7 +120,7 @@ void add_studies(app::Commands& commands) {
       .number_between(1e-3, 90.0)
       .show_default();
   app::add_seed_option(command, bound->seed, "Of the draws that turn weight errors into millimetres");
-  command.add_flag("--json", bound->json, "Print one JSON object");
+  app::add_json_flag(command, bound->json);
 }
 
 }  // namespace mien::lab

@@ -233,7 +233,7 @@ void add_study_ablation(app::Commands& commands, app::Command study) {
   command.add_option("--face", options->face, "Face of the --motion, as mien face takes it")
       .needs(motions)
       .show_default();
-  command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+  app::add_rig_option(command, options->rig);
   command.add_flag("--no-shipped", options->no_shipped, "Leave the shipped models out of the table");
   app::add_seed_option(command, request.seed, "Of all people, and of the trainings");
   command.add_flag("--quick", options->quick,
@@ -244,7 +244,7 @@ void add_study_ablation(app::Commands& commands, app::Command study) {
                   "`trainings` keep what is trained, so that a study that was stopped goes on; a gigabyte of "
                   "memory a core")
       .required();
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

@@ -239,7 +239,7 @@ void add_study_confidence(app::Commands& commands, app::Command study) {
       .needs(command.option("--write"));
   command.add_option("--out", options->out,
                      "Write a self-contained HTML page with the reliability diagram and the tables");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

@@ -239,7 +239,7 @@ void add_study_headset(app::Commands& commands, app::Command study) {
           .in_range(10.0, 180.0);
   for (const char* name : {"--sheet", "--motion", "--face", "--failures", "--side"})
     minutes.excludes(command.option(name));
-  command.add_flag("--json", options->json, "Print the scores as JSON");
+  app::add_json_flag(command, options->json);
   app::add_seed_option(command, options->request.seed, "Of the wearers and their headsets");
 }
 

@@ -187,7 +187,7 @@ void add_study_hours(app::Commands& commands, app::Command study) {
       "mien study hours --script mixed acted --seeds 2 --minutes 60",
       [options] { return run_study_hours(*options); });
   command.add_option("--model", options->model, "Live model (default: models/live.safetensors)");
-  command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+  app::add_rig_option(command, options->rig);
   command.add_option(
       "--script", options->scripts,
       "Scripts, as mien perform has them; each is drawn anew every ten minutes (default, without "
@@ -210,7 +210,7 @@ void add_study_hours(app::Commands& commands, app::Command study) {
   command.add_option(
       "--held", options->held,
       "Expressions that are held beside the script: browDown_L+browDown_R=0.7@5-15, in minutes");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

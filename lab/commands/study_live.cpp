@@ -231,13 +231,13 @@ void add_study_live(app::Commands& commands, app::Command study) {
       .in_range(1, 1000)
       .show_default();
   command.add_option("--model", options->models, "Another causal model, as NAME=FILE; may be given often");
-  command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+  app::add_rig_option(command, options->rig);
   app::add_seed_option(command, request.seed, "Of the performers, their devices and the networks");
   command.add_flag("--quick", options->quick, "Fewer and shorter performances, for a first look");
   command
       .add_option("--out", options->out, "Folder for live.html, live.txt and live.json; made where it is not")
       .required();
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

@@ -173,7 +173,7 @@ void add_study_loss(app::Commands& commands, app::Command study) {
       study, "loss", "How accurate the live model stays with lost packets, bad networks and silent sensors",
       "mien study loss --performers 24 --out loss.html", [options] { return run_study_loss(*options); });
   command.add_option("--model", options->model, "Live model (default: models/live.safetensors)");
-  command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+  app::add_rig_option(command, options->rig);
   const app::Option performers =
       command.add_option("--performers", options->request.performers, "Virtual performers")
           .in_range(1, 10000)
@@ -198,7 +198,7 @@ void add_study_loss(app::Commands& commands, app::Command study) {
       "Only the conditions with one of these in their name, beside the clean one: bursts \"10 %\"");
   app::add_seed_option(command, options->request.seed, "Of the performers, their devices and the networks");
   command.add_option("--out", options->out, "Write a self-contained HTML page with the curve and the table");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

@@ -101,7 +101,7 @@ void add_study_motion(app::Commands& commands, app::Command study) {
       .needs(performers)
       .show_default();
   app::add_seed_option(command, options->request.seed, "Of the virtual performers").needs(performers);
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

@@ -340,7 +340,7 @@ void add_study_placement(app::Commands& commands, app::Command study) {
           "Folder for placement.html, .txt, .json and .png, and for what is trained; made where it is "
           "not")
       .required();
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

@@ -212,7 +212,7 @@ void add_study_sensors(app::Commands& commands, app::Command study) {
       .show_default();
   app::add_seed_option(command, options->request.seed, "Of the wearers, their glasses and what they do");
   command.add_option("--out", options->out, "Write a self-contained HTML page with tables and curves");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

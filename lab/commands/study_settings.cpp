@@ -152,7 +152,7 @@ void add_jitter(app::Commands& commands, app::Command settings) {
       [options] { return run_jitter(*options); });
   command.add_option("--model", options->model,
                      "Live model of facial IMUs (default: models/live.safetensors)");
-  command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+  app::add_rig_option(command, options->rig);
   add_people(command, options->request);
   const auto values = [&](const char* name, std::vector<double>& into, const char* what, double least,
                           double most) { command.add_option(name, into, what).number_between(least, most); };
@@ -168,7 +168,7 @@ void add_jitter(app::Commands& commands, app::Command settings) {
       .show_default();
   app::add_seed_option(command, options->request.seed,
                        "Of the people to choose on; the next one's are checked on");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 struct DriftOptions {
@@ -242,7 +242,7 @@ void add_drift(app::Commands& commands, app::Command settings) {
       settings, "drift", "The drift filter: every combination of what is given, by the skin rotations' error",
       "mien study settings drift --correlation 30 60 120 --gate 2 2.5",
       [options] { return run_drift(*options); });
-  command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+  app::add_rig_option(command, options->rig);
   add_people(command, options->request);
   const auto values = [&](const char* name, std::vector<double>& into, const char* what, double least,
                           double most) { command.add_option(name, into, what).number_between(least, most); };
@@ -253,7 +253,7 @@ void add_drift(app::Commands& commands, app::Command settings) {
   values("--creep", options->creep_walk, "Random walk of the adhesives' creep, rad a root s", 0, 1);
   app::add_seed_option(command, options->request.seed,
                        "Of the people to choose on; the next one's are checked on");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace

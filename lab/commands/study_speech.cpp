@@ -158,7 +158,7 @@ void add_study_speech(app::Commands& commands, app::Command study) {
       "Measure the network's table of confidence anew first, on voices of its own, and write the "
       "network so");
   app::add_seed_option(command, options->request.seed, "Of lines, noise and rooms");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

@@ -315,7 +315,7 @@ void add_study_trackers(app::Commands& commands, app::Command study) {
       command.add_option("--seconds", request.seconds, "Length of each performance after the prologue")
           .number_between(3.0, 3600.0)
           .show_default();
-  const app::Option rig = command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+  const app::Option rig = app::add_rig_option(command, options->rig);
   const app::Option live =
       command.add_option("--live", options->live, "The live model (default: models/live.safetensors)");
   const app::Option quick =
@@ -353,7 +353,7 @@ void add_study_trackers(app::Commands& commands, app::Command study) {
       .add_option("--out", options->out,
                   "Folder for trackers.html, trackers.txt and trackers.json; made where it is not")
       .required();
-  command.add_flag("--json", options->json, "Print one JSON object");
+  app::add_json_flag(command, options->json);
 }
 
 }  // namespace mien::lab

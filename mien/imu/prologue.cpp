@@ -179,22 +179,22 @@ void Prologue::add_shake(const Frame& frame) {
   shaking_.add(frame.ear_rate_rad_s, from_neutral(frame.q_world_ear).norm());
 }
 
-Calibration Prologue::solve() const {
-  Calibration out;
-  out.sensors.resize(names_.size());
+bool Prologue::judge_hold(Calibration& out) const {
   if (still_.count < kMinFrames) {
     out.scores.push_back(
         score("neutral", 0, "", false,
               "the head sensor sent nothing while you held still; check it and hold still again"));
-    return out;
+    return false;
   }
   const double still_dps = still_.rms_rad_s() / kRadPerDeg;
   out.scores.push_back(score("neutral", still_dps, "dps", still_.rms_rad_s() <= kMaxStillRate,
                              still_.rms_rad_s() <= kMaxStillRate
                                  ? "the head held still"
                                  : "the head moved; hold still for three seconds again"));
+  return true;
+}
 
-  // Headings, from hold and nod together.
+double Prologue::find_headings(Calibration& out) const {
   double worst_spread = 0;
   for (std::size_t i = 0; i < names_.size(); ++i) {
     SensorCalibration& sensor = out.sensors[i];
@@ -208,14 +208,11 @@ Calibration Prologue::solve() const {
     sensor.neutral = hold_[i].mean(best.heading_rad);
     worst_spread = std::max(worst_spread, hold_[i].spread(best.heading_rad));
   }
-  if (nodding_.count < kMinFrames) return out;
-  out.scores.push_back(score("neutral face", worst_spread / kRadPerDeg, "deg", worst_spread <= kMaxFaceSpread,
-                             worst_spread <= kMaxFaceSpread
-                                 ? "the face held still"
-                                 : "the face moved while holding still; relax and hold still again"));
+  return worst_spread;
+}
 
-  // C: up from gravity, left from the nod's axis, about which a nod down is positive.
-  const Vec3 up = ear_up_sum_.normalized();
+std::optional<Vec3> Prologue::judge_nod(const Vec3& up, Calibration& out) const {
+  // A nod down turns the head about its left axis by the right hand.
   const Vec3 nod_axis = nodding_.axis();
   const Vec3 level = nod_axis - up * up.dot(nod_axis);
   const double nod_tilt = std::asin(std::clamp(std::abs(up.dot(nod_axis)), 0.0, 1.0));
@@ -229,10 +226,12 @@ Calibration Prologue::solve() const {
                              straight
                                  ? "the nod was straight"
                                  : "the nod was mixed with other turns; nod straight down and up again"));
-  if (!first_turn_ || level.norm() < 0.1) return out;
-  Vec3 left = level.normalized();
-  if (left.dot(*first_turn_) < 0) left = -left;
+  if (!first_turn_ || level.norm() < 0.1) return std::nullopt;
+  const Vec3 left = level.normalized();
+  return left.dot(*first_turn_) < 0 ? Vec3(-left) : left;
+}
 
+Vec3 Prologue::judge_direction(const Vec3& up, Vec3 left, Calibration& out) const {
   // The lever arm by the nod's swing, then the mean outward axis, take precedence over the nod's beginning,
   // which may have been lost or done the other way.
   Vec3 outward = Vec3::Zero();
@@ -258,24 +257,20 @@ Calibration Prologue::solve() const {
                                    : "the nod's beginning was missed or upwards; the face's swing told "
                                      "which way is ahead"));
   }
-  Mat3 to_head;
-  to_head.row(0) = left.transpose();
-  to_head.row(1) = up.transpose();
-  to_head.row(2) = left.cross(up).transpose();
-  out.q_head_ear = canonical(Quat(to_head));
-  const Quat neutral_ear = fit_rotation(Mat3(ear_sum_.transpose()));
-  const Vec3 ahead = neutral_ear * (out.q_head_ear.conjugate() * Vec3::UnitZ());
-  out.neutral_heading_rad = std::atan2(ahead.x(), ahead.z());
-  out.complete = true;
+  return left;
+}
 
-  if (shaking_.count >= kMinFrames) {
-    const double off = std::acos(std::clamp(std::abs(up.dot(shaking_.axis())), 0.0, 1.0));
-    const bool good = off <= kMaxShakeTilt && shaking_.largest_rad >= kMinShake;
-    out.scores.push_back(
-        score("shake", off / kRadPerDeg, "deg", good,
-              good ? "the shake was about the vertical that gravity gives"
-                   : "the shake was small or not about the vertical; sit upright and calibrate again"));
-  }
+void Prologue::judge_shake(const Vec3& up, Calibration& out) const {
+  if (shaking_.count < kMinFrames) return;
+  const double off = std::acos(std::clamp(std::abs(up.dot(shaking_.axis())), 0.0, 1.0));
+  const bool good = off <= kMaxShakeTilt && shaking_.largest_rad >= kMinShake;
+  out.scores.push_back(
+      score("shake", off / kRadPerDeg, "deg", good,
+            good ? "the shake was about the vertical that gravity gives"
+                 : "the shake was small or not about the vertical; sit upright and calibrate again"));
+}
+
+void Prologue::judge_sensors(Calibration& out) const {
   for (std::size_t i = 0; i < names_.size(); ++i) {
     SensorCalibration& sensor = out.sensors[i];
     if (!sensor.valid) {
@@ -294,6 +289,35 @@ Calibration Prologue::solve() const {
         Vec3(f.constant + std::cos(sensor.heading_rad) * f.cosine + std::sin(sensor.heading_rad) * f.sine) /
         static_cast<double>(hold_[i].count());
   }
+}
+
+Calibration Prologue::solve() const {
+  Calibration out;
+  out.sensors.resize(names_.size());
+  if (!judge_hold(out)) return out;
+  const double worst_spread = find_headings(out);
+  if (nodding_.count < kMinFrames) return out;
+  out.scores.push_back(score("neutral face", worst_spread / kRadPerDeg, "deg", worst_spread <= kMaxFaceSpread,
+                             worst_spread <= kMaxFaceSpread
+                                 ? "the face held still"
+                                 : "the face moved while holding still; relax and hold still again"));
+
+  // C: up from gravity, left from the nod's axis.
+  const Vec3 up = ear_up_sum_.normalized();
+  const std::optional<Vec3> axis = judge_nod(up, out);
+  if (!axis) return out;
+  const Vec3 left = judge_direction(up, *axis, out);
+  Mat3 to_head;
+  to_head.row(0) = left.transpose();
+  to_head.row(1) = up.transpose();
+  to_head.row(2) = left.cross(up).transpose();
+  out.q_head_ear = canonical(Quat(to_head));
+  const Quat neutral_ear = fit_rotation(Mat3(ear_sum_.transpose()));
+  const Vec3 ahead = neutral_ear * (out.q_head_ear.conjugate() * Vec3::UnitZ());
+  out.neutral_heading_rad = std::atan2(ahead.x(), ahead.z());
+  out.complete = true;
+  judge_shake(up, out);
+  judge_sensors(out);
   return out;
 }
 

@@ -76,6 +76,19 @@ class Prologue {
   /// axis `left`; 0 where the nod is too slow for it.
   [[nodiscard]] double ahead_m(const Vec3& left) const;
 
+  // The steps of solve(); each adds its scores. Axes are of the ear sensor.
+  /// False: nothing was received.
+  bool judge_hold(Calibration& out) const;
+  /// From hold and nod together. Returns how far the face moved during the hold at most, rad.
+  double find_headings(Calibration& out) const;
+  /// The nod's level axis, as it began; none where there was no nod.
+  std::optional<Vec3> judge_nod(const Vec3& up, Calibration& out) const;
+  /// The head's left axis: which way along the nod's axis it points.
+  Vec3 judge_direction(const Vec3& up, Vec3 left, Calibration& out) const;
+  void judge_shake(const Vec3& up, Calibration& out) const;
+  /// Each sensor's heading, and its acceleration at rest.
+  void judge_sensors(Calibration& out) const;
+
   std::vector<std::string> names_;
   std::vector<std::optional<Vec3>> outward_;
   std::vector<HeadingSums> hold_;

@@ -104,6 +104,33 @@ class EventF1 {
   std::size_t hits_ = 0, events_ = 0;
 };
 
+/// Of a shape's weights over all frames; none where either side is still.
+std::optional<double> pearson(std::span<const Stretch> stretches, std::size_t shape) {
+  const auto over_frames = [&](const auto& add) {
+    for (const Stretch& s : stretches)
+      for (std::size_t f = 0; f < s.truth.size(); ++f)
+        add(clipped(s.truth[f][shape]), clipped(s.estimate[f][shape]));
+  };
+  double count = 0, truth_mean = 0, estimate_mean = 0;
+  over_frames([&](float truth, float estimate) {
+    ++count;
+    truth_mean += truth;
+    estimate_mean += estimate;
+  });
+  truth_mean /= count;
+  estimate_mean /= count;
+  double tt = 0, ee = 0, te = 0;
+  over_frames([&](float truth, float estimate) {
+    const double t = truth - truth_mean, e = estimate - estimate_mean;
+    tt += t * t;
+    ee += e * e;
+    te += t * e;
+  });
+  constexpr double kStill = 1e-12;
+  if (!(tt > kStill * count && ee > kStill * count)) return std::nullopt;
+  return te / std::sqrt(tt * ee);
+}
+
 constexpr std::array<std::size_t, 2> kLids = {face::shape("eyeBlink_L"), face::shape("eyeBlink_R")};
 
 }  // namespace
@@ -166,127 +193,121 @@ Meter::Meter(const face::Face& face) : eyes_and_lips_(face) {
     }
 }
 
+struct Meter::Sums {
+  double squares = 0;           ///< Of all shapes' errors, ...
+  double observed_squares = 0;  ///< ... and of those that count in mse_observed.
+  std::vector<float> pve_face_mm;
+  /// Of stretches that are long enough, weighed by their frames.
+  double truth_jitter = 0, estimate_jitter = 0;
+  std::size_t jitter_frames = 0;
+};
+
+/// Errors of the weights, one lane a frame.
+struct Meter::Batch {
+  std::size_t frames = 0;
+  std::array<Lanes, face::kShapeCount> error{};
+};
+
+Meter::Batch Meter::add_weights(const Stretch& stretch, std::size_t first, Sums& sums, Metrics& out) {
+  Batch batch{.frames = std::min(kBatch, stretch.truth.size() - first)};
+  for (std::size_t f = 0; f < batch.frames; ++f) {
+    double frame_squares = 0;
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      const float e = clipped(stretch.estimate[first + f][k]) - clipped(stretch.truth[first + f][k]);
+      batch.error[k][f] = e;
+      const double square = static_cast<double>(e) * e;
+      frame_squares += square;
+      if (counts_in_mse_observed(k)) sums.observed_squares += square;
+      out.per_shape[k].mae += std::abs(e);
+    }
+    sums.squares += frame_squares;
+    out.mse_curve.push_back(static_cast<float>(frame_squares / face::kShapeCount));
+  }
+  return batch;
+}
+
+void Meter::add_vertices(const Batch& batch, Sums& sums, Metrics& out) const {
+  std::array<double, kBatch> all_mm{};
+  std::array<double, kBatch> skin_mm{};
+  for (std::size_t v = 0; v < in_skin_.size(); ++v) {
+    const std::uint32_t begin = shapes_.first[v];
+    const std::uint32_t end = shapes_.first[v + 1];
+    if (begin == end || in_pve_[v] == 0) continue;
+    Lanes x{};
+    Lanes y{};
+    Lanes z{};
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const Lanes& e = batch.error[shapes_.shape[i]];
+      const Vec3f& d = shapes_.delta_mm[i];
+      for (std::size_t f = 0; f < kBatch; ++f) {
+        x[f] += d.x() * e[f];
+        y[f] += d.y() * e[f];
+        z[f] += d.z() * e[f];
+      }
+    }
+    for (std::size_t f = 0; f < kBatch; ++f) {
+      const float length = std::sqrt(x[f] * x[f] + y[f] * y[f] + z[f] * z[f]);
+      all_mm[f] += length;
+      if (in_skin_[v] != 0) skin_mm[f] += length;
+    }
+  }
+  for (std::size_t f = 0; f < batch.frames; ++f) {
+    out.pve_mm_curve.push_back(static_cast<float>(all_mm[f] / static_cast<double>(in_pve_count_)));
+    if (skin_count_ > 0)
+      sums.pve_face_mm.push_back(static_cast<float>(skin_mm[f] / static_cast<double>(skin_count_)));
+  }
+}
+
+void Meter::add_landmarks(const Stretch& stretch, Sums& sums, Metrics& out) const {
+  const std::size_t frames = stretch.truth.size();
+  ThirdDifference truth_track(landmarks_.size()), estimate_track(landmarks_.size());
+  for (std::size_t f = 0; f < frames; ++f) {
+    double sum = 0;
+    for (std::size_t p = 0; p < landmarks_.size(); ++p) {
+      Vec3f truth = landmark_neutral_mm_[p];
+      Vec3f estimate = truth;
+      for (std::uint32_t i = shapes_.first[landmarks_[p]]; i < shapes_.first[landmarks_[p] + 1]; ++i) {
+        truth += clipped(stretch.truth[f][shapes_.shape[i]]) * shapes_.delta_mm[i];
+        estimate += clipped(stretch.estimate[f][shapes_.shape[i]]) * shapes_.delta_mm[i];
+      }
+      truth_track.set(f, p, truth);
+      estimate_track.set(f, p, estimate);
+      sum += (estimate - truth).norm();
+    }
+    out.lmk_mm_curve.push_back(static_cast<float>(sum / static_cast<double>(landmarks_.size())));
+  }
+  if (frames <= 3) return;
+  const auto weight = static_cast<double>(frames - 3);
+  sums.truth_jitter += weight * truth_track.mean();
+  sums.estimate_jitter += weight * estimate_track.mean();
+  sums.jitter_frames += frames - 3;
+}
+
 Metrics Meter::measure(std::span<const Stretch> stretches) const {
   Metrics out;
-  std::vector<float> pve_face_mm;
-  double squares = 0;
-  double observed_squares = 0;
-  double truth_jitter = 0;
-  double estimate_jitter = 0;
-  std::size_t jitter_frames = 0;
-  std::size_t counted_shapes = 0;
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) counted_shapes += counts_in_mse_observed(k) ? 1 : 0;
-
-  const std::size_t vertices = in_skin_.size();
+  Sums sums;
   for (const Stretch& stretch : stretches) {
-    const std::size_t frames = stretch.truth.size();
-    ThirdDifference truth_track(landmarks_.size()), estimate_track(landmarks_.size());
-    for (std::size_t first = 0; first < frames; first += kBatch) {
-      const std::size_t n = std::min(kBatch, frames - first);
-      std::array<Lanes, face::kShapeCount> error{};
-      for (std::size_t f = 0; f < n; ++f) {
-        double frame_squares = 0;
-        for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-          const float e = clipped(stretch.estimate[first + f][k]) - clipped(stretch.truth[first + f][k]);
-          error[k][f] = e;
-          const double square = static_cast<double>(e) * e;
-          frame_squares += square;
-          if (counts_in_mse_observed(k)) observed_squares += square;
-          out.per_shape[k].mae += std::abs(e);
-        }
-        squares += frame_squares;
-        out.mse_curve.push_back(static_cast<float>(frame_squares / face::kShapeCount));
-      }
-      std::array<double, kBatch> all_mm{};
-      std::array<double, kBatch> skin_mm{};
-      for (std::size_t v = 0; v < vertices; ++v) {
-        const std::uint32_t begin = shapes_.first[v];
-        const std::uint32_t end = shapes_.first[v + 1];
-        if (begin == end || in_pve_[v] == 0) continue;
-        Lanes x{};
-        Lanes y{};
-        Lanes z{};
-        for (std::uint32_t i = begin; i < end; ++i) {
-          const Lanes& e = error[shapes_.shape[i]];
-          const Vec3f& d = shapes_.delta_mm[i];
-          for (std::size_t f = 0; f < kBatch; ++f) {
-            x[f] += d.x() * e[f];
-            y[f] += d.y() * e[f];
-            z[f] += d.z() * e[f];
-          }
-        }
-        for (std::size_t f = 0; f < kBatch; ++f) {
-          const float length = std::sqrt(x[f] * x[f] + y[f] * y[f] + z[f] * z[f]);
-          all_mm[f] += length;
-          if (in_skin_[v] != 0) skin_mm[f] += length;
-        }
-      }
-      for (std::size_t f = 0; f < n; ++f) {
-        out.pve_mm_curve.push_back(static_cast<float>(all_mm[f] / static_cast<double>(in_pve_count_)));
-        if (skin_count_ > 0)
-          pve_face_mm.push_back(static_cast<float>(skin_mm[f] / static_cast<double>(skin_count_)));
-      }
-    }
-    for (std::size_t f = 0; f < frames; ++f) {
-      double sum = 0;
-      for (std::size_t p = 0; p < landmarks_.size(); ++p) {
-        Vec3f truth = landmark_neutral_mm_[p];
-        Vec3f estimate = truth;
-        for (std::uint32_t i = shapes_.first[landmarks_[p]]; i < shapes_.first[landmarks_[p] + 1]; ++i) {
-          truth += clipped(stretch.truth[f][shapes_.shape[i]]) * shapes_.delta_mm[i];
-          estimate += clipped(stretch.estimate[f][shapes_.shape[i]]) * shapes_.delta_mm[i];
-        }
-        truth_track.set(f, p, truth);
-        estimate_track.set(f, p, estimate);
-        sum += (estimate - truth).norm();
-      }
-      if (!landmarks_.empty())
-        out.lmk_mm_curve.push_back(static_cast<float>(sum / static_cast<double>(landmarks_.size())));
-    }
-    if (!landmarks_.empty() && frames > 3) {
-      const auto weight = static_cast<double>(frames - 3);
-      truth_jitter += weight * truth_track.mean();
-      estimate_jitter += weight * estimate_track.mean();
-      jitter_frames += frames - 3;
-    }
-    out.frames += frames;
+    for (std::size_t first = 0; first < stretch.truth.size(); first += kBatch)
+      add_vertices(add_weights(stretch, first, sums, out), sums, out);
+    if (!landmarks_.empty()) add_landmarks(stretch, sums, out);
+    out.frames += stretch.truth.size();
   }
   if (out.frames == 0) return out;
 
+  std::size_t observed_shapes = 0;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) observed_shapes += counts_in_mse_observed(k) ? 1 : 0;
   const auto count = static_cast<double>(out.frames);
-  out.mse = squares / (count * face::kShapeCount);
-  out.mse_observed = observed_squares / (count * static_cast<double>(counted_shapes));
+  out.mse = sums.squares / (count * face::kShapeCount);
+  out.mse_observed = sums.observed_squares / (count * static_cast<double>(observed_shapes));
   out.pve_mm = mean_std(out.pve_mm_curve);
-  if (skin_count_ > 0) out.pve_face_mm = mean_std(pve_face_mm);
+  if (skin_count_ > 0) out.pve_face_mm = mean_std(sums.pve_face_mm);
   if (!landmarks_.empty()) out.lmk_mm = mean_std(out.lmk_mm_curve);
-  if (jitter_frames > 0 && truth_jitter > 0) out.jitter_ratio = estimate_jitter / truth_jitter;
+  if (sums.jitter_frames > 0 && sums.truth_jitter > 0)
+    out.jitter_ratio = sums.estimate_jitter / sums.truth_jitter;
   out.blink_f1 = blink_f1(stretches);
-
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    ShapeScore& score = out.per_shape[k];
-    score.mae /= count;
-    double truth_mean = 0;
-    double estimate_mean = 0;
-    for (const Stretch& s : stretches)
-      for (std::size_t f = 0; f < s.truth.size(); ++f) {
-        truth_mean += clipped(s.truth[f][k]);
-        estimate_mean += clipped(s.estimate[f][k]);
-      }
-    truth_mean /= count;
-    estimate_mean /= count;
-    double tt = 0;
-    double ee = 0;
-    double te = 0;
-    for (const Stretch& s : stretches)
-      for (std::size_t f = 0; f < s.truth.size(); ++f) {
-        const double t = clipped(s.truth[f][k]) - truth_mean;
-        const double e = clipped(s.estimate[f][k]) - estimate_mean;
-        tt += t * t;
-        ee += e * e;
-        te += t * e;
-      }
-    constexpr double kStill = 1e-12;
-    if (tt > kStill * count && ee > kStill * count) score.pearson = te / std::sqrt(tt * ee);
+    out.per_shape[k].mae /= count;
+    out.per_shape[k].pearson = pearson(stretches, k);
   }
   return out;
 }

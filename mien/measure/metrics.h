@@ -63,6 +63,13 @@ class Meter {
     std::vector<std::uint16_t> shape;
     std::vector<Vec3f> delta_mm;
   };
+  struct Sums;
+  struct Batch;
+  /// Errors of up to so many frames from `first` on.
+  [[nodiscard]] static Batch add_weights(const Stretch& stretch, std::size_t first, Sums& sums, Metrics& out);
+  void add_vertices(const Batch& batch, Sums& sums, Metrics& out) const;
+  void add_landmarks(const Stretch& stretch, Sums& sums, Metrics& out) const;
+
   VertexShapes shapes_;
   std::vector<std::uint8_t> in_pve_;  // Vertices that pve_mm averages over.
   std::size_t in_pve_count_ = 0;

@@ -1,13 +1,16 @@
-#include "mien/train/blendshape_task.h"
+#include "mien/train/tasks.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "mien/dataset/dataset.h"
 #include "mien/face/profile.h"
+#include "mien/model/model_file.h"
 #include "mien/synthetic/confidence.h"
 #include "mien/synthetic/imu/watched_person.h"
 #include "mien/train/assess.h"
@@ -80,6 +83,48 @@ Json told_of_takes(const dataset::Dataset& training, const dataset::Dataset& val
 }
 
 }  // namespace
+
+/// Features of IMUs to blendshape weights: models of model::ModelFile, of either kind of network.
+class BlendshapeTask final : public Task {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<BlendshapeTask>> create(Recipe recipe,
+                                                                      dataset::Dataset training,
+                                                                      dataset::Dataset validation,
+                                                                      std::string rig, bool one_person);
+
+  [[nodiscard]] const Recipe& recipe() const override { return recipe_; }
+  [[nodiscard]] Batch random_batch(std::size_t count, Random random) const override;
+  /// Of virtual performers, where there are any to validate on; else of takes.
+  [[nodiscard]] Batch validation_batch(Random random) const override;
+  /// Of virtual performers and of takes, by the recipe's share.
+  [[nodiscard]] std::vector<ValidationPart> validation_parts(Random random) const override;
+  [[nodiscard]] std::string training_hash() const override;
+  [[nodiscard]] std::string validation_hash() const override;
+  [[nodiscard]] std::size_t training_frames() const override;
+  [[nodiscard]] std::size_t validation_frames() const override;
+  [[nodiscard]] Result<std::string> results_of(const std::filesystem::path& model) const override;
+  /// Takes over the standard skin too, where the data know none.
+  [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override;
+  [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,
+                                           const Progress& progress) override;
+  [[nodiscard]] Result<void> write(const std::filesystem::path& path,
+                                   const std::string& results) const override;
+
+ private:
+  BlendshapeTask(Recipe recipe, dataset::Dataset training, dataset::Dataset validation, std::string rig,
+                 bool one_person);
+  [[nodiscard]] Result<void> check_places() const;
+  [[nodiscard]] double takes_share() const { return recipe_.takes_share.value_or(0); }
+
+  Recipe recipe_;
+  dataset::Dataset training_;
+  dataset::Dataset validation_;
+  bool one_person_ = false;
+  FrameWeights frame_weights_;  ///< Of training.
+  model::ModelFile model_;
+  BatchMaker training_batches_;
+  BatchMaker validation_batches_;
+};
 
 Result<std::unique_ptr<BlendshapeTask>> BlendshapeTask::create(Recipe recipe, dataset::Dataset training,
                                                                dataset::Dataset validation, std::string rig,
@@ -230,6 +275,13 @@ Result<void> BlendshapeTask::write(const std::filesystem::path& path, const std:
   model::ModelFile whole = model_;
   whole.results = results;
   return model::write_model(path, whole);
+}
+
+Result<std::unique_ptr<Task>> make_blendshape_task(Recipe recipe, dataset::Dataset training,
+                                                   dataset::Dataset validation, std::string rig,
+                                                   bool one_person) {
+  return BlendshapeTask::create(std::move(recipe), std::move(training), std::move(validation), std::move(rig),
+                                one_person);
 }
 
 }  // namespace mien::train

@@ -18,12 +18,8 @@
 #include "mien/synthetic/imu/dataset_part.h"
 #include "mien/synthetic/imu/make_dataset.h"
 #include "mien/synthetic/speech/speech_dataset.h"
-#include "mien/train/blendshape_task.h"
-#include "mien/train/marker_task.h"
-#include "mien/train/memory_task.h"
-#include "mien/train/speech_task.h"
 #include "mien/train/takes_mix.h"
-#include "mien/train/views_task.h"
+#include "mien/train/tasks.h"
 
 namespace mien::train {
 namespace {
@@ -74,8 +70,8 @@ MadeTask make_task_of_file(Recipe recipe, const TaskSource& source) {
                 fmt::format("the data are of the sensors {}, and the rig has {}",
                             fmt::join(data.train.sensors, ", "), fmt::join(sensors, ", ")),
                 source.data.string(), "name the rig that the data were made for");
-  return BlendshapeTask::create(std::move(recipe), std::move(data.train), std::move(data.validation),
-                                source.rig_text);
+  return train::make_blendshape_task(std::move(recipe), std::move(data.train), std::move(data.validation),
+                                     source.rig_text);
 }
 
 MadeTask make_blendshape_task(Recipe recipe, const TaskSource& source, const Progress& progress) {
@@ -97,8 +93,8 @@ MadeTask make_blendshape_task(Recipe recipe, const TaskSource& source, const Pro
   } else if (share > 0) {
     MIEN_TRY_ASSIGN(data, synthetic::put_together(std::move(data), std::move(takes.data)));
   }
-  return BlendshapeTask::create(std::move(recipe), std::move(data.train), std::move(data.validation),
-                                source.rig_text, takes.one_person);
+  return train::make_blendshape_task(std::move(recipe), std::move(data.train), std::move(data.validation),
+                                     source.rig_text, takes.one_person);
 }
 
 Result<void> expect_builtin(const TaskSource& source, std::string what) {
@@ -114,8 +110,8 @@ MadeTask make_marker_task(Recipe recipe, const TaskSource& source, const Progres
   MIEN_TRY_ASSIGN(const builtin_face::MarkerSet markers, builtin_face::read_markers(markers_path));
   MIEN_TRY_ASSIGN(synthetic::EyewearData data,
                   synthetic::make_eyewear_dataset(data_recipe, source.rig, markers, progress));
-  return MarkerTask::create(std::move(recipe), std::move(data.train), std::move(data.validation),
-                            source.rig_text);
+  return train::make_marker_task(std::move(recipe), std::move(data.train), std::move(data.validation),
+                                 source.rig_text);
 }
 
 MadeTask make_speech_task(Recipe recipe, const TaskSource& source, const Progress& progress) {
@@ -124,7 +120,7 @@ MadeTask make_speech_task(Recipe recipe, const TaskSource& source, const Progres
                   synthetic::parse_speech_data_recipe(recipe.data, source.where));
   MIEN_TRY_ASSIGN(synthetic::SpeechData data,
                   synthetic::make_speech_dataset(data_recipe, source.speaker, progress));
-  return SpeechTask::create(std::move(recipe), std::move(data.train), std::move(data.validation));
+  return train::make_speech_task(std::move(recipe), std::move(data.train), std::move(data.validation));
 }
 
 MadeTask make_headset_task(Recipe recipe, const TaskSource& source, const Progress& progress) {
@@ -134,13 +130,13 @@ MadeTask make_headset_task(Recipe recipe, const TaskSource& source, const Progre
   MIEN_TRY_ASSIGN(synthetic::HeadsetFilms films,
                   synthetic::make_headset_films(data_recipe, source.rig, source.films, progress));
   if (recipe.architecture.kind == model::NetworkKind::views)
-    return ViewsTask::create(std::move(recipe), std::move(films), source.rig, source.rig_text);
+    return train::make_views_task(std::move(recipe), std::move(films), source.rig, source.rig_text);
   if (source.views.empty())
     return fail(ErrorCode::bad_usage, "a headset's memory learns from what a network of pictures finds",
                 source.where,
                 "name that model with --views; mien train models/recipes/headset.toml makes one");
   MIEN_TRY_ASSIGN(headset::ViewsFile views, headset::read_views_file(source.views));
-  return MemoryTask::create(std::move(recipe), films, std::move(views), source.rig, progress);
+  return train::make_memory_task(std::move(recipe), films, std::move(views), source.rig, progress);
 }
 
 /// A kind of sensors, and what their network learns.

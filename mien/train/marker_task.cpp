@@ -1,9 +1,10 @@
-#include "mien/train/marker_task.h"
+#include "mien/train/tasks.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
@@ -11,7 +12,9 @@
 
 #include "mien/core/sha256.h"
 #include "mien/core/units.h"
+#include "mien/eyewear/marker_network.h"
 #include "mien/model/ridge.h"
+#include "mien/synthetic/eyewear/eyewear_dataset.h"
 
 namespace mien::train {
 namespace {
@@ -105,6 +108,45 @@ double distances_mm(const Eigen::VectorXd& estimate_m, std::span<const float> tr
 }
 
 }  // namespace
+
+/// Light of photo-reflective sensors to markers: models of eyewear::MarkerNetworkFile, of causal networks.
+class MarkerTask final : public Task {
+ public:
+  /// An output of 1, metres: farther than any marker moves.
+  static constexpr double kScaleM = 0.06;
+
+  [[nodiscard]] static Result<std::unique_ptr<MarkerTask>> create(Recipe recipe,
+                                                                  synthetic::LightDataset training,
+                                                                  synthetic::LightDataset validation,
+                                                                  std::string rig);
+
+  [[nodiscard]] const Recipe& recipe() const override { return recipe_; }
+  [[nodiscard]] Batch random_batch(std::size_t count, Random random) const override;
+  [[nodiscard]] Batch validation_batch(Random random) const override;
+  [[nodiscard]] std::string training_hash() const override;
+  [[nodiscard]] std::string validation_hash() const override;
+  [[nodiscard]] std::size_t training_frames() const override;
+  [[nodiscard]] std::size_t validation_frames() const override;
+  [[nodiscard]] Result<std::string> results_of(const std::filesystem::path& model) const override;
+  [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override;
+  /// "markers": mean distance over validation, of the network frame by frame, of a ridge on the same frames,
+  /// and of neutral, mm.
+  [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,
+                                           const Progress& progress) override;
+  [[nodiscard]] Result<void> write(const std::filesystem::path& path,
+                                   const std::string& results) const override;
+
+ private:
+  MarkerTask(Recipe recipe, synthetic::LightDataset training, synthetic::LightDataset validation,
+             std::string rig);
+  void append_window(const synthetic::LightSequence& sequence, std::size_t first,
+                     const std::vector<std::uint8_t>& lost, Batch& batch) const;
+
+  Recipe recipe_;
+  synthetic::LightDataset training_;
+  synthetic::LightDataset validation_;
+  eyewear::MarkerNetworkFile model_;
+};
 
 Result<std::unique_ptr<MarkerTask>> MarkerTask::create(Recipe recipe, LightDataset training,
                                                        LightDataset validation, std::string rig) {
@@ -255,6 +297,11 @@ Result<void> MarkerTask::write(const std::filesystem::path& path, const std::str
   eyewear::MarkerNetworkFile whole = model_;
   whole.results = results;
   return eyewear::write_marker_network(path, whole);
+}
+
+Result<std::unique_ptr<Task>> make_marker_task(Recipe recipe, synthetic::LightDataset training,
+                                               synthetic::LightDataset validation, std::string rig) {
+  return MarkerTask::create(std::move(recipe), std::move(training), std::move(validation), std::move(rig));
 }
 
 }  // namespace mien::train

@@ -1,13 +1,17 @@
-#include "mien/train/memory_task.h"
+#include "mien/train/tasks.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "mien/core/logistic.h"
 #include "mien/core/quantile.h"
@@ -16,14 +20,16 @@
 #include "mien/headset/answer.h"
 #include "mien/headset/headset_model.h"
 #include "mien/headset/mirrored_eye.h"
+#include "mien/headset/moment_features.h"
+#include "mien/headset/views_file.h"
 #include "mien/model/causal_network.h"
 #include "mien/model/views_network.h"
+#include "mien/sensor/rig.h"
 #include "mien/solve/reliability.h"
+#include "mien/synthetic/headset/headset_dataset.h"
 #include "mien/synthetic/logistic_fit.h"
 #include "mien/train/film_answers.h"
-#include "mien/train/view_augmentation.h"
-#include "mien/train/view_obstacle.h"
-#include "mien/virtual/headset/watched_parts.h"
+#include "mien/train/shown_donning.h"
 #include "mien/virtual/performers.h"
 
 namespace mien::train {
@@ -46,102 +52,82 @@ constexpr double kSlow = 0.05, kMissing = 0.04, kAway = 0.06, kMouthAway = 0.03;
 /// How much later than usual a view may come, shares of a tick.
 constexpr double kLatest = 0.6;
 
-/// Of a donning that is spoilt: that something comes before cameras; of eyes and of mouth, that it does so
-/// there; then of each view.
-constexpr double kHidden = 0.6, kHalfHidden = 0.6, kViewHidden = 0.85;
-
 /// A validation frame of what is seen counts as so many where judgements become probabilities: half of the
 /// donnings are hidden for a while, so that much is learnt of it, but hardly a seventh of a session's.
 constexpr double kSeenCounts = 4;
 
-/// What a donning is shown as.
-struct Way {
-  bool mirrored = false;
-  std::array<ViewLook, kViews> looks;
-  bool spoilt = false;
-  std::array<std::optional<ViewObstacle>, kViews> obstacles;
-};
-
-/// `frames` [rest, frames) follow those at rest.
-Way draw_way(std::size_t number, std::size_t rest, std::size_t frames, Random& random) {
-  Way way{.mirrored = number % 2 == 1, .looks = {}, .spoilt = number >= 2, .obstacles = {}};
-  if (!way.spoilt) return way;
-  for (ViewLook& look : way.looks) look = draw_look(random);
-  if (!random.chance(kHidden)) return way;
-  const std::array<bool, 2> halves = {random.chance(kHalfHidden), random.chance(kHalfHidden)};
-  const ViewObstacle all = draw_obstacle(frames - rest, random);
-  for (std::size_t v = 0; v < kViews; ++v) {
-    if (!halves[v / 2] || !random.chance(kViewHidden)) continue;
-    ViewObstacle& obstacle = way.obstacles[v].emplace(draw_obstacle(frames - rest, random));
-    // What stands before one view stands before its neighbours at the same time.
-    obstacle.begin = rest + all.begin;
-    obstacle.end = rest + all.end;
-    obstacle.is_glare = all.is_glare;
-  }
-  return way;
-}
-
-/// What the network finds in a donning, and what it should be taken for.
-struct Found {
-  std::vector<float> features, wanted;
-  std::vector<std::array<bool, 2>> visible;
-};
-Found find(const synthetic::HeadsetFilm& film, const synthetic::HeadsetFilm::Donning& donning,
-           const FilmPlaces& places, const Way& way, const model::ViewsNetwork& network,
-           model::ViewsNetwork::Workspace& memory, Random& random) {
-  const std::size_t count = network.architecture().features, pixels = film.side() * film.side();
-  const auto side = static_cast<int>(film.side());
-  Found found;
-  std::vector<std::uint8_t> shown, scratch;
-  std::vector<float> views(kViews * pixels);
-  for (std::size_t frame = donning.begin; frame < donning.end; ++frame) {
-    std::array<bool, kViews> present{};
-    virt::SeenHalves halves;
-    const synthetic::FilmTruth truth = film.truth(frame);
-    for (std::size_t v = 0; v < kViews; ++v) {
-      const FilmPlace& place = places[way.mirrored ? v ^ 1U : v];
-      if (!place.is_there) continue;
-      present[v] = true;
-      double covered = 0;
-      const std::span<const std::uint8_t> view = film.view(frame, place.camera);
-      shown.assign(view.begin(), view.end());
-      if (way.spoilt) {
-        show_as(way.looks[v], shown, side, scratch);
-        if (way.obstacles[v]) covered = show_obstacle(*way.obstacles[v], frame - donning.begin, shown, side);
-        spoil_view(shown, side, random);
-      }
-      halves.add(v / 2, covered);
-      auto stretched = headset::NetworkView::create(place.view);
-      stretched->make({.width = side, .height = side, .pixels = shown},
-                      std::span(views).subspan(v * pixels, pixels));
-    }
-    const std::size_t begin = found.features.size();
-    found.features.resize(begin + kViews * count);
-    network.find(views, present, memory, std::span(found.features).subspan(begin));
-    const auto [upper, lower] = halves.seen();
-    found.visible.push_back({truth.visible[0] > 0 && upper, truth.visible[1] > 0 && lower});
-    const auto wanted = answer_of(truth);
-    const auto asked = way.mirrored ? mirrored_answer(wanted) : wanted;
-    found.wanted.insert(found.wanted.end(), asked.begin(), asked.end());
-  }
-  return found;
-}
-
-/// What is found of a donning's rest, in the mean.
-headset::RestFeatures rest_of(std::span<const float> features, std::size_t rest_end, const FilmPlaces& places,
-                              const Way& way) {
-  headset::RestFeatures rest;
-  const std::size_t each = rest_end > 0 ? features.size() / rest_end : 0;
-  rest.features.assign(each, 0.0F);
-  for (std::size_t frame = 0; frame < rest_end; ++frame)
-    for (std::size_t i = 0; i < each; ++i)
-      rest.features[i] += features[frame * each + i] / static_cast<float>(rest_end);
-  for (std::size_t v = 0; v < kViews; ++v)
-    rest.present[v] = rest_end > 0 && places[way.mirrored ? v ^ 1U : v].is_there;
-  return rest;
-}
-
 }  // namespace
+
+/// What a network of pictures finds, frame by frame, to the face: the memory of a headset::ViewsFile, at
+/// kFrameRateHz. Its network of pictures stays as it is. The same files are read as for that network: each
+/// donning as it is, mirrored, and as other mountings and cameras show it.
+class MemoryTask final : public Task {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<MemoryTask>> create(Recipe recipe,
+                                                                  const synthetic::HeadsetFilms& films,
+                                                                  headset::ViewsFile views,
+                                                                  const sensor::Rig& rig,
+                                                                  const Progress& progress);
+
+  [[nodiscard]] const Recipe& recipe() const override { return recipe_; }
+  /// Of cameras that are slow, late or away, and of frames that are lost; one window in six without a face at
+  /// rest.
+  [[nodiscard]] Batch random_batch(std::size_t count, Random random) const override;
+  /// With all of them.
+  [[nodiscard]] Batch validation_batch(Random random) const override;
+  [[nodiscard]] std::string training_hash() const override { return training_hash_; }
+  [[nodiscard]] std::string validation_hash() const override { return validation_hash_; }
+  [[nodiscard]] std::size_t training_frames() const override { return frames_of(training_); }
+  [[nodiscard]] std::size_t validation_frames() const override { return frames_of(validation_); }
+  [[nodiscard]] Result<std::string> results_of(const std::filesystem::path& model) const override;
+  [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override;
+  /// "headset": over validation, frame by frame after the rest: squared error of the weights beside the mean
+  /// answer's and that of the network of pictures alone, the gaze's median error and its 90th percentile, how
+  /// well closed lids are told, how restless the answer is (third differences over the truth's), and of the
+  /// judgements calibration error and area under the ROC of each half of the wearers with what was fitted on
+  /// the other (the model's own are fitted on all); and how well eyes that are shown mirrored are told.
+  [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,
+                                           const Progress& progress) override;
+  [[nodiscard]] Result<void> write(const std::filesystem::path& path,
+                                   const std::string& results) const override;
+
+ private:
+  /// A donning, and what was found in it.
+  struct Sequence {
+    std::size_t film = 0;  ///< Whose it is.
+    std::size_t frames = 0, rest_end = 0;
+    double rate_hz = 0;
+    std::vector<float> features;                ///< frames x kViews x features.
+    headset::RestFeatures rest, mirrored_rest;  ///< The second of eyes that are shown mirrored.
+    std::vector<float> wanted;                  ///< frames x kAnswerOutputs; NaN: nobody can know it.
+    /// Of each frame, whether upper and lower face can be seen.
+    std::vector<std::array<bool, 2>> visible;
+  };
+  /// What arrives of a view in a window.
+  struct Delivery;
+
+  MemoryTask(Recipe recipe, headset::ViewsFile views, model::ViewsNetwork network)
+      : recipe_(std::move(recipe)), views_(std::move(views)), network_(std::move(network)) {}
+  [[nodiscard]] static std::size_t frames_of(const std::vector<Sequence>& sequences);
+  [[nodiscard]] std::size_t ticks_of(const Sequence& sequence) const;
+  /// What is found in the eyes at rest, as they are or mirrored.
+  [[nodiscard]] static std::vector<std::vector<float>> eyes_at_rest(const std::vector<Sequence>& sequences,
+                                                                    bool mirrored, std::size_t features);
+  void append(const Sequence& sequence, std::size_t first_tick, Random* random,
+              model::ViewsNetwork::Workspace& memory, Batch& batch) const;
+  /// The moment at a tick, of views that are there as `delivery` says (null: all are).
+  void moment_at(const Sequence& sequence, double frame, std::span<const Delivery> delivery,
+                 headset::MomentFeatures& moment) const;
+  static void wanted_at(const Sequence& sequence, double frame, std::span<float> out);
+  /// Whether what a judgement is about can be seen.
+  [[nodiscard]] static bool is_visible(const Sequence& sequence, double frame, std::size_t judgement);
+
+  Recipe recipe_;
+  headset::ViewsFile views_;
+  model::ViewsNetwork network_;  // That of views_.
+  std::vector<Sequence> training_, validation_;
+  std::string training_hash_, validation_hash_;
+};
 
 /// What arrives of a view: which of the film's frames, and how much later than the first could.
 struct MemoryTask::Delivery {
@@ -213,14 +199,14 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const synt
         s.frames = donning.end - donning.begin;
         s.rest_end = donning.rest_end - donning.begin;
         s.rate_hz = 1 / double{film.truth(donning.begin + 1).time_s};
-        Found of = find(film, donning, places, shown, network, memory, random);
+        Found of = find_in_donning(film, donning, places, shown, network, memory, random);
         s.features = std::move(of.features);
         s.wanted = std::move(of.wanted);
         s.visible = std::move(of.visible);
         s.rest = rest_of(std::span(s.features).first(s.rest_end * kViews * count), s.rest_end, places, shown);
         Random once_more = random.fork("mirrored eyes");
-        const Found turned = find(film, {donning.begin, donning.rest_end, donning.rest_end}, turned_places,
-                                  shown, network, memory, once_more);
+        const Found turned = find_in_donning(film, {donning.begin, donning.rest_end, donning.rest_end},
+                                             turned_places, shown, network, memory, once_more);
         s.mirrored_rest = rest_of(turned.features, s.rest_end, places, shown);
         found[index].push_back(std::move(s));
       }
@@ -537,6 +523,12 @@ Result<void> MemoryTask::write(const std::filesystem::path& path, const std::str
   headset::ViewsFile whole = views_;
   whole.memory->results = results;
   return headset::write_views_file(path, whole);
+}
+
+Result<std::unique_ptr<Task>> make_memory_task(Recipe recipe, const synthetic::HeadsetFilms& films,
+                                               headset::ViewsFile views, const sensor::Rig& rig,
+                                               const Progress& progress) {
+  return MemoryTask::create(std::move(recipe), films, std::move(views), rig, progress);
 }
 
 }  // namespace mien::train

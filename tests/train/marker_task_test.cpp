@@ -1,4 +1,4 @@
-#include "mien/train/marker_task.h"
+#include "mien/train/tasks.h"
 
 #include <gtest/gtest.h>
 
@@ -39,8 +39,8 @@ std::string toy_marker_recipe(std::size_t steps) {
 
 TEST(MarkerTask, LearnsAToyBetterThanRidge) {
   const mien::test::Folder folder;
-  const auto task = MarkerTask::create(*parse_recipe(toy_marker_recipe(400), "test"), toy_light(0, 6),
-                                       toy_light(20, 2), "# rig");
+  const auto task = make_marker_task(*parse_recipe(toy_marker_recipe(400), "test"), toy_light(0, 6),
+                                     toy_light(20, 2), "# rig");
   ASSERT_TRUE(task) << task.error().message();
   const auto report =
       train(**task, {.out = folder / "toy.safetensors", .device = "cpu", .threads = 1}, no_progress);
@@ -57,19 +57,17 @@ TEST(MarkerTask, LearnsAToyBetterThanRidge) {
 
 TEST(MarkerTask, RefusesWhatCannotBeTrained) {
   const Recipe recipe = *parse_recipe(toy_marker_recipe(10), "test");
-  EXPECT_FALSE(MarkerTask::create(recipe, {}, toy_light(0, 1), ""));
-  EXPECT_FALSE(MarkerTask::create(recipe, toy_light(0, 1, 20), toy_light(1, 1), ""))
-      << "shorter than a window";
-  EXPECT_FALSE(
-      MarkerTask::create(*parse_recipe(toy_recipe(10), "test"), toy_light(0, 1), toy_light(1, 1), ""))
+  EXPECT_FALSE(make_marker_task(recipe, {}, toy_light(0, 1), ""));
+  EXPECT_FALSE(make_marker_task(recipe, toy_light(0, 1, 20), toy_light(1, 1), "")) << "shorter than a window";
+  EXPECT_FALSE(make_marker_task(*parse_recipe(toy_recipe(10), "test"), toy_light(0, 1), toy_light(1, 1), ""))
       << "a network that waits for a window";
-  EXPECT_FALSE(MarkerTask::create(recipe, toy_light(0, 2), toy_light(1, 1), "")) << "the same people";
+  EXPECT_FALSE(make_marker_task(recipe, toy_light(0, 2), toy_light(1, 1), "")) << "the same people";
   synthetic::LightDataset sick = toy_light(0, 1);
   sick.sequences[0].values[3] = std::nanf("");
-  EXPECT_FALSE(MarkerTask::create(recipe, sick, toy_light(1, 1), ""));
+  EXPECT_FALSE(make_marker_task(recipe, sick, toy_light(1, 1), ""));
   synthetic::LightDataset cut = toy_light(0, 1);
   cut.sequences[0].present.pop_back();
-  EXPECT_FALSE(MarkerTask::create(recipe, cut, toy_light(1, 1), ""));
+  EXPECT_FALSE(make_marker_task(recipe, cut, toy_light(1, 1), ""));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "mien/train/memory_task.h"
+#include "mien/train/tasks.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -69,8 +69,8 @@ const sensor::Rig& rig() {
   return rig;
 }
 
-Result<std::unique_ptr<MemoryTask>> task_of(const std::filesystem::path& folder, std::size_t steps = 1) {
-  return MemoryTask::create(recipe_of(steps), toy_films(folder, 10), views(), rig(), no_progress);
+Result<std::unique_ptr<Task>> task_of(const std::filesystem::path& folder, std::size_t steps = 1) {
+  return make_memory_task(recipe_of(steps), toy_films(folder, 10), views(), rig(), no_progress);
 }
 
 TEST(MemoryTask, LearnsAToyAndToJudgeItself) {
@@ -141,13 +141,13 @@ TEST(MemoryTask, CamerasAreAwayNowAndThenInTraining) {
 TEST(MemoryTask, RefusesWhatDoesNotFit) {
   const mien::test::Folder folder;
   EXPECT_FALSE(
-      MemoryTask::create(recipe_of(1, "light"), toy_films(folder.path(), 10), views(), rig(), no_progress));
+      make_memory_task(recipe_of(1, "light"), toy_films(folder.path(), 10), views(), rig(), no_progress));
   headset::ViewsFile other = views();
   other.architecture.side = 48;
-  EXPECT_FALSE(MemoryTask::create(recipe_of(1), toy_films(folder.path(), 10), other, rig(), no_progress));
+  EXPECT_FALSE(make_memory_task(recipe_of(1), toy_films(folder.path(), 10), other, rig(), no_progress));
   Recipe longer = recipe_of(1);
   longer.architecture.window = 200;
-  EXPECT_FALSE(MemoryTask::create(longer, toy_films(folder.path(), 10), views(), rig(), no_progress));
+  EXPECT_FALSE(make_memory_task(longer, toy_films(folder.path(), 10), views(), rig(), no_progress));
 }
 
 TEST(Loss, GazeWeighsAsMuchAsIsAsked) {

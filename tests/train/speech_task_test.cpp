@@ -1,10 +1,11 @@
-#include "mien/train/speech_task.h"
+#include "mien/train/tasks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
+#include "mien/speech/speech_network.h"
 #include "mien/train/trainer.h"
 #include "tests/folder.h"
 #include "tests/train/toy_data.h"
@@ -50,7 +51,7 @@ Recipe toy_speech_recipe(std::size_t steps) {
 
 TEST(SpeechTask, LearnsAToyThatCanBeListenedTo) {
   const mien::test::Folder folder;
-  const auto task = SpeechTask::create(toy_speech_recipe(400), toy_speech("one", 6), toy_speech("two", 2));
+  const auto task = make_speech_task(toy_speech_recipe(400), toy_speech("one", 6), toy_speech("two", 2));
   ASSERT_TRUE(task) << task.error().message();
   const auto report =
       train(**task, {.out = folder / "toy.safetensors", .device = "cpu", .threads = 1}, no_progress);
@@ -68,7 +69,7 @@ TEST(SpeechTask, LearnsAToyThatCanBeListenedTo) {
 }
 
 TEST(SpeechTask, ABatchDependsOnItsSeedAlone) {
-  const auto task = SpeechTask::create(toy_speech_recipe(10), toy_speech("one", 3), toy_speech("two", 1));
+  const auto task = make_speech_task(toy_speech_recipe(10), toy_speech("one", 3), toy_speech("two", 1));
   ASSERT_TRUE(task) << task.error().message();
   const Batch one = (*task)->random_batch(8, Random(1)), two = (*task)->random_batch(8, Random(1));
   EXPECT_EQ(one.windows, 8U);
@@ -82,7 +83,7 @@ TEST(SpeechTask, ABatchDependsOnItsSeedAlone) {
 TEST(SpeechTask, RefusesWhatCannotBeTrained) {
   const Recipe recipe = toy_speech_recipe(10);
   const auto complaint = [&](synthetic::SpeechDataset training, synthetic::SpeechDataset validation) {
-    const auto task = SpeechTask::create(recipe, std::move(training), std::move(validation));
+    const auto task = make_speech_task(recipe, std::move(training), std::move(validation));
     return task ? std::string() : task.error().message();
   };
   EXPECT_THAT(complaint({}, toy_speech("two", 1)), HasSubstr("no passage"));

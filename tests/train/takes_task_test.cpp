@@ -8,8 +8,8 @@
 #include "mien/core/files.h"
 #include "mien/model/model_file.h"
 #include "mien/synthetic/imu/dataset_part.h"
-#include "mien/train/blendshape_task.h"
 #include "mien/train/takes_mix.h"
+#include "mien/train/tasks.h"
 #include "mien/train/trainer.h"
 #include "tests/folder.h"
 #include "tests/project_path.h"
@@ -19,20 +19,20 @@ namespace mien::train::takes_task_test {
 namespace {
 
 using Json = nlohmann::json;
-using MadeTask = Result<std::unique_ptr<BlendshapeTask>>;
+using MadeTask = Result<std::unique_ptr<Task>>;
 
 class TakesTask : public testing::Test {
  protected:
   static MadeTask task_of(dataset::TrainingData data, const std::string& recipe) {
-    return BlendshapeTask::create(*parse_recipe(recipe, "test"), std::move(data.train),
-                                  std::move(data.validation), "# rig");
+    return make_blendshape_task(*parse_recipe(recipe, "test"), std::move(data.train),
+                                std::move(data.validation), "# rig");
   }
   [[nodiscard]] dataset::TrainingData both() const { return *synthetic::put_together(performed_, takes()); }
   [[nodiscard]] dataset::TrainingData takes() const { return *as_takes(taken_, 40); }
 
   Result<TrainReport> train_on(dataset::TrainingData data, const std::string& recipe, const std::string& name,
                                const std::string& from = "") const {
-    MIEN_TRY_ASSIGN(const std::unique_ptr<BlendshapeTask> task, task_of(std::move(data), recipe));
+    MIEN_TRY_ASSIGN(const std::unique_ptr<Task> task, task_of(std::move(data), recipe));
     TrainOptions options{.out = folder_ / name, .force = true, .device = "cpu", .threads = 1};
     if (!from.empty()) options.from = folder_ / from;
     return train(*task, options, no_progress);
@@ -99,8 +99,8 @@ TEST_F(TakesTask, ResultsTellOfBothAndNameNobody) {
 
 TEST_F(TakesTask, ResultsSayThatOnePersonAloneIsNobodyElse) {
   dataset::TrainingData data = takes();
-  const auto task = BlendshapeTask::create(*parse_recipe(toy_causal_recipe(2), "test"), data.train,
-                                           data.validation, "# rig", true);
+  const auto task = make_blendshape_task(*parse_recipe(toy_causal_recipe(2), "test"), data.train,
+                                         data.validation, "# rig", true);
   ASSERT_TRUE(task) << task.error().message();
   const auto report =
       train(**task, {.out = folder_ / "m.safetensors", .device = "cpu", .threads = 1}, no_progress);
@@ -221,7 +221,7 @@ TEST_F(TakesTask, GoOnFromTheShippedModel) {
   };
   const auto data = as_takes({.train = people(0), .validation = people(2)}, recipe.architecture.window);
   ASSERT_TRUE(data) << data.error().message();
-  const auto task = BlendshapeTask::create(recipe, data->train, data->validation, shipped->rig);
+  const auto task = make_blendshape_task(recipe, data->train, data->validation, shipped->rig);
   ASSERT_TRUE(task) << task.error().message();
   const auto report = train(**task,
                             {.out = folder_ / "mine.safetensors",

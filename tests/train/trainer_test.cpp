@@ -8,8 +8,8 @@
 
 #include "mien/core/files.h"
 #include "mien/model/model_file.h"
-#include "mien/train/blendshape_task.h"
 #include "mien/train/parity.h"
+#include "mien/train/tasks.h"
 #include "tests/folder.h"
 #include "tests/model/random_network.h"
 #include "tests/train/toy_data.h"
@@ -39,8 +39,8 @@ class Trainer : public testing::Test {
   }
   Result<TrainReport> run_recipe(const std::string& recipe, const std::string& name, bool resume = false,
                                  const Progress& progress = no_progress, bool force = false) const {
-    MIEN_TRY_ASSIGN(const std::unique_ptr<BlendshapeTask> task,
-                    BlendshapeTask::create(*parse_recipe(recipe, "test"), training_, validation_, "# rig"));
+    MIEN_TRY_ASSIGN(const std::unique_ptr<Task> task,
+                    make_blendshape_task(*parse_recipe(recipe, "test"), training_, validation_, "# rig"));
     return train(*task,
                  {.out = folder_ / name, .resume = resume, .force = force, .device = "cpu", .threads = 1},
                  progress);
@@ -112,8 +112,8 @@ TEST_F(Trainer, GoesOnFromAnotherModelAndLearnsKnownSkins) {
   }
   const std::string recipe = toy_causal_recipe(3, "[augmentation]\nknown_skin = 1\nskin_gain_error = 0\n");
   const auto go_on = [&](const std::string& from) -> Result<TrainReport> {
-    MIEN_TRY_ASSIGN(const std::unique_ptr<BlendshapeTask> task,
-                    BlendshapeTask::create(*parse_recipe(recipe, "test"), training_, validation_, "# rig"));
+    MIEN_TRY_ASSIGN(const std::unique_ptr<Task> task,
+                    make_blendshape_task(*parse_recipe(recipe, "test"), training_, validation_, "# rig"));
     return train(*task,
                  {.out = folder_ / "second.safetensors", .from = folder_ / from, .force = true, .threads = 1},
                  no_progress);
@@ -255,11 +255,11 @@ TEST_F(Trainer, AllItsOptionsTrain) {
 
 TEST_F(Trainer, RefusesWhatCannotBeTrained) {
   const Recipe recipe = *parse_recipe(toy_recipe(10), "test");
-  EXPECT_FALSE(BlendshapeTask::create(recipe, {}, validation_, ""));
-  EXPECT_FALSE(BlendshapeTask::create(recipe, training_, training_, "")) << "the same people on both sides";
-  EXPECT_FALSE(BlendshapeTask::create(recipe, toy_data(0, 2, 39), validation_, ""))
+  EXPECT_FALSE(make_blendshape_task(recipe, {}, validation_, ""));
+  EXPECT_FALSE(make_blendshape_task(recipe, training_, training_, "")) << "the same people on both sides";
+  EXPECT_FALSE(make_blendshape_task(recipe, toy_data(0, 2, 39), validation_, ""))
       << "no take as long as a window";
-  const auto task = BlendshapeTask::create(recipe, training_, validation_, "");
+  const auto task = make_blendshape_task(recipe, training_, validation_, "");
   ASSERT_TRUE(task) << task.error().message();
   const TrainOptions nowhere{.out = folder_ / "m.safetensors", .device = "warp-drive", .threads = 1};
   EXPECT_FALSE(train(**task, nowhere, no_progress));

@@ -1,4 +1,4 @@
-#include "mien/train/views_task.h"
+#include "mien/train/tasks.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ const sensor::Rig& rig() {
 
 TEST(ViewsTask, LearnsAToyThatCanBeSeen) {
   const mien::test::Folder folder;
-  const auto task = ViewsTask::create(recipe_of(250), toy_films(folder.path()), rig(), "rig text");
+  const auto task = make_views_task(recipe_of(250), toy_films(folder.path()), rig(), "rig text");
   ASSERT_TRUE(task) << task.error().message();
   const auto report =
       train(**task, {.out = folder / "toy.safetensors", .device = "cpu", .threads = 1}, no_progress);
@@ -130,7 +130,7 @@ TEST(ViewsTask, FoldedWeightsAnswerAsBatchNormalisationDid) {
 
 TEST(ViewsTask, BatchesFollowTheirStream) {
   const mien::test::Folder folder;
-  const auto task = ViewsTask::create(recipe_of(1), toy_films(folder.path()), rig(), "");
+  const auto task = make_views_task(recipe_of(1), toy_films(folder.path()), rig(), "");
   ASSERT_TRUE(task) << task.error().message();
   const Batch one = (*task)->random_batch(4, Random(1)), two = (*task)->random_batch(4, Random(1));
   EXPECT_EQ(one.condition, two.condition);
@@ -151,7 +151,7 @@ TEST(ViewsTask, WhatCannotBeSeenIsUnknown) {
     ASSERT_TRUE(synthetic::write_film(path, std::string(64, '0'), 4, kSide, frames));
     part->push_back(synthetic::HeadsetFilm::open(path).value());
   }
-  const auto task = ViewsTask::create(recipe_of(1), std::move(films), rig(), "");
+  const auto task = make_views_task(recipe_of(1), std::move(films), rig(), "");
   ASSERT_TRUE(task) << task.error().message();
   const Batch batch = (*task)->validation_batch(Random(1));
   ASSERT_EQ(batch.windows, 1u);
@@ -177,8 +177,8 @@ TEST(ViewsTask, RefusesFilmsOfAnotherSize) {
   Recipe recipe = recipe_of(1);
   recipe.architecture.side = 48;
   recipe.architecture.condition = model::views_condition(48);
-  EXPECT_FALSE(ViewsTask::create(recipe, toy_films(folder.path()), rig(), ""));
-  EXPECT_FALSE(ViewsTask::create(
+  EXPECT_FALSE(make_views_task(recipe, toy_films(folder.path()), rig(), ""));
+  EXPECT_FALSE(make_views_task(
       *parse_recipe("[network]\narchitecture = \"causal\"\n[budget]\nsteps = 1", "r"), {}, rig(), ""));
 }
 

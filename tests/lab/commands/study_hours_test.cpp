@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
 /// A study of one person, its figures kept in a folder of this test's own.
-struct StudyHours : public ::testing::Test {
+struct StudyHoursCommand : public ::testing::Test {
   void SetUp() override { ::setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1); }
   void TearDown() override { ::unsetenv("XDG_CACHE_HOME"); }
   [[nodiscard]] static Outcome study(const std::string& minutes, std::vector<std::string> more = {}) {
@@ -34,7 +34,7 @@ struct StudyHours : public ::testing::Test {
   Folder folder;
 };
 
-TEST_F(StudyHours, RunsThatWerePerformedAreNotPerformedAgain) {
+TEST_F(StudyHoursCommand, RunsThatWerePerformedAreNotPerformedAgain) {
   const Outcome first = study("1");
   ASSERT_EQ(first.status, 0) << first.err;
   const auto figures = kept();
@@ -49,7 +49,7 @@ TEST_F(StudyHours, RunsThatWerePerformedAreNotPerformedAgain) {
   EXPECT_EQ(kept().size(), 2U);
 }
 
-TEST_F(StudyHours, ADamagedFileIsMadeAnew) {
+TEST_F(StudyHoursCommand, ADamagedFileIsMadeAnew) {
   const Outcome first = study("1");
   ASSERT_EQ(first.status, 0) << first.err;
   const std::string path = kept().begin()->first;

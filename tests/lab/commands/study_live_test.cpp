@@ -9,7 +9,7 @@ namespace mien::app::test::study_live_test {
 namespace {
 
 // The smallest study that there is; what it measures, the study's own tests say.
-TEST(StudyLive, LeavesAPageATableAndFigures) {
+TEST(StudyLiveCommand, LeavesAPageATableAndFigures) {
   const mien::test::Folder folder;
   const std::string live = project_path("models/live.safetensors");
   const test::Outcome done = test::run({"study", "live", "--rows", "lab", "seen", "--performers", "1",

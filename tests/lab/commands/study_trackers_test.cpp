@@ -18,8 +18,8 @@ std::string livelink(const face::Motion& motion) {
 }
 
 /// Six seconds of a truth, and of who told it late, at half its rate and with a gap.
-struct StudyTrackers : public ::testing::Test {
-  StudyTrackers() {
+struct StudyTrackersCommand : public ::testing::Test {
+  StudyTrackersCommand() {
     const face::Motion truth = performer::test::talking(360);
     write(folder / "truth.csv", livelink(truth));
     face::Motion late = truth;
@@ -51,7 +51,7 @@ struct StudyTrackers : public ::testing::Test {
   Folder folder;
 };
 
-TEST_F(StudyTrackers, ComparesRecordingsOnOneTimeLine) {
+TEST_F(StudyTrackersCommand, ComparesRecordingsOnOneTimeLine) {
   const Outcome done = run(with({"late=" + folder / "late.csv", "jaw=" + folder / "scores.csv"}, {"--json"}));
   ASSERT_EQ(done.status, 0) << done.err;
   const auto json = nlohmann::json::parse(done.out);
@@ -71,7 +71,7 @@ TEST_F(StudyTrackers, ComparesRecordingsOnOneTimeLine) {
   EXPECT_THAT(content(folder / "out/trackers.html"), HasSubstr("Worst moments"));
 }
 
-TEST_F(StudyTrackers, MovesRecordings) {
+TEST_F(StudyTrackersCommand, MovesRecordings) {
   const std::string late = "late=" + folder / "late.csv";
   const Outcome moved = run(with({late}, {"--offset", "late=-0.1", "--json"}));
   ASSERT_EQ(moved.status, 0) << moved.err;
@@ -85,7 +85,7 @@ TEST_F(StudyTrackers, MovesRecordings) {
 }
 
 /// A recorder that was started 0.3 s before the truth's, beside one that was started with it.
-TEST_F(StudyTrackers, HoldsNobodyToWhenHeBeganToRecord) {
+TEST_F(StudyTrackersCommand, HoldsNobodyToWhenHeBeganToRecord) {
   face::Motion small = performer::test::talking(378);
   for (face::MotionFrame& frame : small.frames)
     for (float& weight : frame.weights.values) weight *= 0.8F;
@@ -129,7 +129,7 @@ TEST_F(StudyTrackers, HoldsNobodyToWhenHeBeganToRecord) {
   EXPECT_THAT(content(folder / "out/trackers.txt"), HasSubstr("before: how much earlier or later it began"));
 }
 
-TEST_F(StudyTrackers, SaysInALineWhatCannotBeCompared) {
+TEST_F(StudyTrackersCommand, SaysInALineWhatCannotBeCompared) {
   const auto refused = [](const std::vector<std::string>& words, const char* says) {
     const Outcome outcome = run(words);
     EXPECT_EQ(outcome.status, 2) << joined(words);
