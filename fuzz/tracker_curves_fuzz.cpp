@@ -54,7 +54,7 @@ void expect_line(const mien::lab::TrackerCurves& curves) {
 // Recordings of camera trackers: whichever format the bytes begin as, and each of the formats that they do
 // not.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mien::study;
+  using namespace mien::lab;
   const auto bytes = std::as_bytes(std::span(data, size));
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   for (const auto& read : {parse_tracker_curves(bytes, "fuzz"), parse_mediapipe_lines(text, "fuzz"),

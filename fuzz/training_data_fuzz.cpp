@@ -7,7 +7,7 @@
 
 /// Whatever is read can be written, and is read the same: in the same bytes.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mien::study;
+  using namespace mien::synthetic;
   const std::span bytes(reinterpret_cast<const std::byte*>(data), size);
   const auto read = parse_training_data(bytes, "input");
   if (!read) return 0;

@@ -83,7 +83,7 @@ TEST_F(MainJob, GoesFromAMotionToFilesThatOthersOpen) {
   EXPECT_EQ(solved["frames"], frames);
   EXPECT_THAT(solved["hash"].get<std::string>(), ::testing::SizeIs(64));
   EXPECT_FALSE(solved["kernels"].get<std::string>().empty());
-  EXPECT_EQ(json_of({"solve", take, "--model", model_, "--from-log"})["hash"], solved["hash"]);
+  EXPECT_EQ(json_of({"solve", take, "--model", model_})["hash"], solved["hash"]);
   EXPECT_NE(json_of({"solve", take, "--model", model_, "--steps", "3"})["hash"], solved["hash"]);
 
   const auto evaluated = json_of({"evaluate", take, "--model", model_, "--report", folder_ / "a.html"});
@@ -177,7 +177,7 @@ TEST_F(MainJob, ACausalModelIsAskedFrameByFrame) {
   json_of(perform("a.mien"));
   const std::string take = folder_ / "a.mien";
   const auto solved = json_of({"solve", take, "--model", causal_});
-  EXPECT_EQ(json_of({"solve", take, "--model", causal_, "--from-log"})["hash"], solved["hash"]);
+  EXPECT_EQ(json_of({"solve", take, "--model", causal_})["hash"], solved["hash"]);
   const auto evaluated = json_of({"evaluate", take, "--model", causal_, "--report", folder_ / "a.html"});
   EXPECT_TRUE(evaluated["steps"].is_null());
   EXPECT_GT(evaluated["model"]["mse"].get<double>(), 0);
