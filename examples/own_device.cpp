@@ -10,7 +10,6 @@
 
 namespace {
 using namespace mien;
-using State = tracker::CalibrationState;
 
 constexpr sensor::SampleKind kOpening{200};  // Takes keep it: one number for ever.
 constexpr std::size_t kJaw = face::shape("jawOpen");
@@ -47,13 +46,6 @@ struct JawTracker final : tracker::Tracker {  // With nothing to calibrate.
     out.provenance[kJaw] = face::Provenance::measured;
     return {.sensors_present = 1};
   }
-  void guide(tracker::Step, DeviceTime, DeviceTime) override {}
-  void cancel_guidance() override {}
-  State calibration_state() const override { return {.phase = State::Phase::done}; }
-  std::string calibration() const override { return {}; }
-  std::vector<sensor::Score> scores() const override { return {}; }
-  Result<void> restore(std::string_view) override { return {}; }
-  std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 };
 }  // namespace
 

@@ -37,7 +37,6 @@ class EyewearTracker final : public tracker::Tracker {
   [[nodiscard]] std::string calibration() const override;
   [[nodiscard]] std::vector<sensor::Score> scores() const override;
   [[nodiscard]] Result<void> restore(std::string_view json) override;
-  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 
  private:
   EyewearTracker(const sensor::Rig& rig, LightModel model);

@@ -99,12 +99,4 @@ void GazeTracker::answer(const Eyes& eyes, face::OutputFrame& out) {
   out.eyes_provenance = seen ? Provenance::measured : Provenance::held;
 }
 
-tracker::CalibrationState GazeTracker::calibration_state() const {
-  return {.phase = tracker::CalibrationState::Phase::done};
-}
-
-Result<void> GazeTracker::restore(std::string_view) {
-  return fail(ErrorCode::mismatch, "a tracker of gaze has no calibration", "calibration");
-}
-
 }  // namespace mien::gaze

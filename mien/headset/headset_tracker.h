@@ -80,7 +80,6 @@ class HeadsetTracker final : public tracker::Tracker {
   [[nodiscard]] std::string calibration() const override;
   [[nodiscard]] std::vector<sensor::Score> scores() const override;
   [[nodiscard]] Result<void> restore(std::string_view json) override;
-  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 
  private:
   struct Seen {

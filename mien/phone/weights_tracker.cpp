@@ -174,12 +174,4 @@ tracker::TickResult WeightsTracker::tick(DeviceTime frame, const sensor::TimeLin
   return result;
 }
 
-tracker::CalibrationState WeightsTracker::calibration_state() const {
-  return {.phase = tracker::CalibrationState::Phase::done};
-}
-
-Result<void> WeightsTracker::restore(std::string_view) {
-  return fail(ErrorCode::mismatch, "a tracker of weights has no calibration", "calibration");
-}
-
 }  // namespace mien::phone

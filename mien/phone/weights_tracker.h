@@ -33,17 +33,6 @@ class WeightsTracker final : public tracker::Tracker {
   void add(HostTime arrival, const sensor::Sample& sample) override;
   void forget(std::uint16_t sensor) override;
   tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;
-  [[nodiscard]] tracker::Guidance guidance() const override {
-    return {.neutral = Duration::zero(), .gestures = false};
-  }
-  void guide(tracker::Step, DeviceTime, DeviceTime) override {}
-  void cancel_guidance() override {}
-  [[nodiscard]] tracker::CalibrationState calibration_state() const override;
-  [[nodiscard]] std::string calibration() const override { return {}; }
-  [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
-  /// Errors: mismatch, always.
-  [[nodiscard]] Result<void> restore(std::string_view json) override;
-  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 
  private:
   struct Seen {

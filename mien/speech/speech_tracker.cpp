@@ -90,12 +90,4 @@ tracker::TickResult SpeechTracker::tick(DeviceTime frame, const sensor::TimeLine
   return result;
 }
 
-tracker::CalibrationState SpeechTracker::calibration_state() const {
-  return {.phase = tracker::CalibrationState::Phase::done};
-}
-
-Result<void> SpeechTracker::restore(std::string_view) {
-  return fail(ErrorCode::mismatch, "a tracker of speech has no calibration", "calibration");
-}
-
 }  // namespace mien::speech

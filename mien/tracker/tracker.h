@@ -144,11 +144,14 @@ class Tracker {
   /// calibration. `lines`: every sensor's clock, and the time line on which `frame` stands.
   virtual TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) = 0;
 
+  // Of a modality with something to calibrate; the others leave all of this as it is.
+
   /// What it wants of a guided calibration.
-  [[nodiscard]] virtual Guidance guidance() const { return {}; }
+  [[nodiscard]] virtual Guidance guidance() const { return {.neutral = Duration::zero(), .gestures = false}; }
   /// A guided step runs on the frames [begin, end); given before the tick of its begin. The last step's end
   /// puts the calibration in force.
-  virtual void guide(Step step, DeviceTime begin, DeviceTime end) = 0;
+  virtual void guide([[maybe_unused]] Step step, [[maybe_unused]] DeviceTime begin,
+                     [[maybe_unused]] DeviceTime end) {}
   /// The same of expressions that move the whole face, one after the other: a range of motion. It follows the
   /// steps. A modality that has no use for it passes it over.
   virtual void guide_range([[maybe_unused]] DeviceTime begin, [[maybe_unused]] DeviceTime end) {}
@@ -162,7 +165,7 @@ class Tracker {
   virtual void guide_gaze([[maybe_unused]] const face::GazeTarget& target, [[maybe_unused]] DeviceTime begin,
                           [[maybe_unused]] DeviceTime end) {}
   /// Ends guidance; what was in force before its first step is in force again.
-  virtual void cancel_guidance() = 0;
+  virtual void cancel_guidance() {}
 
   /// How long its performer would have to rest now for rest(); zero where that would correct nothing.
   [[nodiscard]] virtual Duration wants_rest() const { return {}; }
@@ -172,13 +175,18 @@ class Tracker {
   /// modality that has no use for it passes it over.
   virtual void rest([[maybe_unused]] DeviceTime begin, [[maybe_unused]] DeviceTime end) {}
 
-  /// Of a tracker without anything to calibrate: Phase::done, else its users are asked to nod.
-  [[nodiscard]] virtual CalibrationState calibration_state() const = 0;
+  /// Until it is Phase::done, users are asked to calibrate.
+  [[nodiscard]] virtual CalibrationState calibration_state() const {
+    return {.phase = CalibrationState::Phase::done};
+  }
   /// The calibration in force as JSON, as a take keeps it; empty when there is none.
-  [[nodiscard]] virtual std::string calibration() const = 0;
-  [[nodiscard]] virtual std::vector<sensor::Score> scores() const = 0;
+  [[nodiscard]] virtual std::string calibration() const { return {}; }
+  [[nodiscard]] virtual std::vector<sensor::Score> scores() const { return {}; }
   /// Puts an earlier one in force. Gives no calibration event. Errors: malformed, mismatch (another rig's).
-  [[nodiscard]] virtual Result<void> restore(std::string_view json) = 0;
+  [[nodiscard]] virtual Result<void> restore([[maybe_unused]] std::string_view json) {
+    return fail(ErrorCode::mismatch, "a tracker of " + std::string(modality()) + " has no calibration",
+                "calibration");
+  }
   /// Answers are corrected for the wearer by this from now on, until another is given or a calibration is
   /// restored that has none; it is a part of calibration(). Errors: unsupported (a modality whose model is
   /// not corrected), not_found (nothing is calibrated).
@@ -188,7 +196,9 @@ class Tracker {
   }
 
   /// Standard deviation of a sensor's heading, rad; none where it has no heading.
-  [[nodiscard]] virtual std::optional<double> heading_sigma_rad(std::uint16_t sensor) const = 0;
+  [[nodiscard]] virtual std::optional<double> heading_sigma_rad([[maybe_unused]] std::uint16_t sensor) const {
+    return {};
+  }
   /// At the last tick; none of a sensor that was missing, is not calibrated, or whose rotation is no matter.
   [[nodiscard]] virtual std::optional<SensorCertainty> certainty(
       [[maybe_unused]] std::uint16_t sensor) const {

@@ -67,17 +67,13 @@ class OneLight final : public tracker::Tracker {
     out.confidence.fill(1);
     return result;
   }
+  [[nodiscard]] tracker::Guidance guidance() const override { return {}; }
   void guide(tracker::Step step, DeviceTime, DeviceTime end) override {
     if (step == tracker::Step::neutral) neutral_until_ = end;
   }
   void cancel_guidance() override { neutral_until_.reset(); }
-  [[nodiscard]] tracker::CalibrationState calibration_state() const override {
-    return {.phase = tracker::CalibrationState::Phase::done, .step = tracker::Step::none, .hint = {}};
-  }
   [[nodiscard]] std::string calibration() const override { return R"({"light":1})"; }
-  [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
   [[nodiscard]] Result<void> restore(std::string_view) override { return {}; }
-  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 
  private:
   std::uint16_t sensor_;

@@ -37,12 +37,6 @@ class Guided final : public tracker::Tracker {
   void guide_gaze(const face::GazeTarget& target, DeviceTime begin, DeviceTime end) override {
     looks.push_back({target.name, begin, end});
   }
-  void cancel_guidance() override {}
-  [[nodiscard]] tracker::CalibrationState calibration_state() const override { return {}; }
-  [[nodiscard]] std::string calibration() const override { return {}; }
-  [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
-  [[nodiscard]] Result<void> restore(std::string_view) override { return {}; }
-  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 };
 
 /// Runs it from frame 600 on with a performer who does `share` of each anchor; returns the frames it took.

@@ -91,15 +91,6 @@ class PictureTracker final : public tracker::Tracker {
     out.confidence.fill(1);
     return {.sensors_present = 1, .calibration = {}};
   }
-  void guide(tracker::Step, DeviceTime, DeviceTime) override {}
-  void cancel_guidance() override {}
-  [[nodiscard]] tracker::CalibrationState calibration_state() const override {
-    return {.phase = tracker::CalibrationState::Phase::done, .step = tracker::Step::none, .hint = {}};
-  }
-  [[nodiscard]] std::string calibration() const override { return {}; }
-  [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
-  [[nodiscard]] Result<void> restore(std::string_view) override { return {}; }
-  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 
  private:
   Seen own_;

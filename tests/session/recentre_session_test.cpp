@@ -230,13 +230,9 @@ class Uncertain final : public tracker::Tracker {
     out.time = frame;
     return {};
   }
-  void guide(tracker::Step, DeviceTime, DeviceTime) override {}
-  void cancel_guidance() override {}
   [[nodiscard]] tracker::CalibrationState calibration_state() const override { return {}; }
   [[nodiscard]] std::string calibration() const override { return "{}"; }
-  [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
   [[nodiscard]] Result<void> restore(std::string_view) override { return {}; }
-  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
   [[nodiscard]] std::optional<tracker::SensorCertainty> certainty(std::uint16_t sensor) const override {
     if (sensor == 2) return std::nullopt;
     return tracker::SensorCertainty{.sigma_rad = kRadPerDeg * *sigma_deg_, .left_out = sensor == kCheek};

@@ -90,16 +90,10 @@ class JawAlone final : public tracker::Tracker {
     if (!waits_) out.provenance[kJaw] = face::Provenance::audio;
     return {.sensors_present = 1};
   }
-  void guide(tracker::Step, DeviceTime, DeviceTime) override {}
-  void cancel_guidance() override {}
   [[nodiscard]] tracker::CalibrationState calibration_state() const override {
     using Phase = tracker::CalibrationState::Phase;
     return {.phase = waits_ ? Phase::watching : Phase::done};
   }
-  [[nodiscard]] std::string calibration() const override { return {}; }
-  [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
-  [[nodiscard]] Result<void> restore(std::string_view) override { return {}; }
-  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 
  private:
   bool waits_;

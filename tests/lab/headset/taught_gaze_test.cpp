@@ -22,16 +22,9 @@ class Told final : public tracker::Tracker {
   void add(HostTime, const sensor::Sample&) override {}
   void forget(std::uint16_t) override {}
   tracker::TickResult tick(DeviceTime, const sensor::TimeLines&, face::OutputFrame&) override { return {}; }
-  void guide(tracker::Step, DeviceTime, DeviceTime) override {}
   void guide_gaze(const face::GazeTarget& target, DeviceTime begin, DeviceTime end) override {
     looks.push_back({target.direction_rad, begin, end});
   }
-  void cancel_guidance() override {}
-  [[nodiscard]] tracker::CalibrationState calibration_state() const override { return {}; }
-  [[nodiscard]] std::string calibration() const override { return {}; }
-  [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
-  [[nodiscard]] Result<void> restore(std::string_view) override { return {}; }
-  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 };
 
 TEST(TaughtGaze, TheEyesRestWhereATrackerIsToldThatTheyDo) {
