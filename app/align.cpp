@@ -14,6 +14,7 @@
 #include "app/write_motion.h"
 #include "mien/solve/phone_truth.h"
 #include "mien/solve/solve.h"
+#include "mien/solve/trace_features.h"
 #include "mien/take/take.h"
 
 namespace mien::app {

@@ -23,8 +23,9 @@
 #include "mien/render/jpeg.h"
 #include "mien/sensor/bindings.h"
 #include "mien/session/event_list.h"
+#include "mien/session/performed_prologue.h"
 #include "mien/session/prompt.h"
-#include "mien/session/receiver.h"
+#include "mien/session/session.h"
 #include "mien/tracker/tracker.h"
 
 namespace mien::app {
@@ -195,25 +196,24 @@ Result<std::vector<std::byte>> jpeg_of(Footage::Shot shot, ImportedPictures::Cam
               shot.where, "make it smaller");
 }
 
-/// Nobody needs the samples again.
-struct NoConsumer final : session::SampleConsumer {
-  void add(HostTime, const sensor::Sample&) override {}
-  void rebound(std::uint16_t, const sensor::DeviceKey&, bool) override {}
-};
-
-/// The take as it grows, received as a live session would have received it.
+/// The take as it grows, received by a session without trackers.
 class GrowingTake {
  public:
-  GrowingTake(take::TakeWriter writer, std::unique_ptr<session::Receiver> receiver,
-              const face::Motion* motion, DeviceTime first)
-      : writer_(std::move(writer)), receiver_(std::move(receiver)), first_(first) {
+  GrowingTake(take::TakeWriter writer, std::unique_ptr<session::Session> session, const face::Motion* motion,
+              DeviceTime first)
+      : writer_(std::move(writer)), session_(std::move(session)), first_(first) {
     if (motion != nullptr) curve_.emplace(*motion);
+  }
+  /// What happened; before the pictures.
+  void add(std::span<const take::Event> events) {
+    for (const take::Event& event : events) writer_.add_event(event);
+    entry_ = session::begin_log(events, HostTime(first_.time_since_epoch()), writer_);
   }
   /// Errors: malformed (no camera's picture).
   Result<void> add(HostTime arrival, std::span<const std::byte> packet, std::span<const std::byte> jpeg,
                    const std::string& where) {
     fire(arrival);
-    const auto received = receiver_->receive(arrival, kPeer, packet, jpeg, nobody_);
+    const auto received = session_->receive(arrival, kPeer, packet, jpeg);
     if (received.samples.empty()) return fail(ErrorCode::malformed, "a picture that no session takes", where);
     entry_ = writer_.add_entry(arrival, "import", packet, {.bytes = jpeg, .reducer = {}});
     for (const sensor::Sample& sample : received.samples) writer_.add_sample(entry_, arrival, sample);
@@ -222,7 +222,7 @@ class GrowingTake {
   }
   /// All frames that are due by then.
   void fire(HostTime now) {
-    while (const auto due = receiver_->due(now)) {
+    while (const auto due = session_->due(now)) {
       writer_.add_tick({due->index, entry_, due->fired, due->frame});
       ++frames;
       if (!curve_) continue;
@@ -245,10 +245,9 @@ class GrowingTake {
  private:
   static constexpr sensor::Peer kPeer = 0;
   take::TakeWriter writer_;
-  std::unique_ptr<session::Receiver> receiver_;
+  std::unique_ptr<session::Session> session_;
   std::optional<face::MotionCurve> curve_;
   DeviceTime first_;
-  NoConsumer nobody_;
   std::int64_t entry_ = 0;
 };
 
@@ -308,13 +307,14 @@ Result<ImportedPictures> import_pictures(const CameraImport& options, const std:
   MIEN_TRY_ASSIGN(std::vector<Recorded> cameras, open_cameras(options, rig));
   MIEN_TRY(bind_cameras(cameras, rig));
   header.rig_toml = sensor::write_rig(rig);
-  MIEN_TRY_ASSIGN(auto protocols, modalities::make_protocols());
-  MIEN_TRY_ASSIGN(auto receiver, session::Receiver::create(rig, std::move(protocols)));
+  MIEN_TRY_ASSIGN(auto receiving, modalities::make_receiving_session(rig));
   MIEN_TRY_ASSIGN(take::TakeWriter writer,
                   take::TakeWriter::create(out, header, replace, take::Appears::when_finished));
   const DeviceTime first(from_seconds(kBegin_s));
-  for (const session::ListedEvent& event : events) writer.add_event(event_of(event, first));
-  GrowingTake growing(std::move(writer), std::move(receiver), truth, first);
+  GrowingTake growing(std::move(writer), std::move(receiving), truth, first);
+  std::vector<take::Event> happened;
+  for (const session::ListedEvent& event : events) happened.push_back(event_of(event, first));
+  growing.add(happened);
 
   std::size_t about = 0;
   for (const Recorded& camera : cameras) about = std::max(about, camera.footage->about());

@@ -77,13 +77,9 @@ Track weights_of(const solve::Solution& solution) {
 Result<std::vector<solve::Solution>> solve(const OpenModel& model, const take::Take& take,
                                            const OpenModel::Shaping& shaping,
                                            const std::vector<Ablated>& ablated) {
-  std::vector<solve::Solution> one(1);
-  if (ablated.empty()) {
-    MIEN_TRY_ASSIGN(one.front(), model.solve(take, take.path().string(), shaping));
-    return one;
-  }
-  std::vector<shaping::ShaperSettings> all = {shaping.value_or(shaping::ShaperSettings{})};
-  for (const Ablated& without : ablated) all.push_back(without.settings);
+  std::vector<OpenModel::Shaping> all = {shaping};
+  if (!ablated.empty()) all.front() = shaping.value_or(shaping::ShaperSettings{});
+  for (const Ablated& without : ablated) all.emplace_back(without.settings);
   return model.solve_by_each(take, take.path().string(), all);
 }
 

@@ -14,6 +14,7 @@
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig_part.h"
 #include "mien/solve/prompted.h"
+#include "mien/solve/trace_features.h"
 #include "mien/tracker/causal_tracker.h"
 
 namespace mien::app {
@@ -25,11 +26,14 @@ struct Adapted {
   double seconds = 0;
   std::string unlearnt;
 };
-Result<Adapted> adapt(const take::Take& take, std::span<const model::FeatureFrame> features,
-                      model::ModelFile& file) {
+
+/// Learns the take's wearer for the model, where the take has the prompts for it. Errors: the take's.
+Result<Adapted> adapt(const take::Take& take, model::ModelFile& file) {
+  Adapted out;
+  // Prompts would drop what a phone taught.
+  if (!file.skin || !file.skin->wearer.empty() || file.correction) return out;
   MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
   MIEN_TRY_ASSIGN(const std::optional<DeviceTime> until, solve::first_evaluated(take));
-  Adapted out;
   // What is measured is not learnt from.
   const std::vector<tracker::PromptedExpression> prompts = solve::prompted_expressions(events);
   const auto before =
@@ -43,6 +47,7 @@ Result<Adapted> adapt(const take::Take& take, std::span<const model::FeatureFram
           before, prompts.size(), tracker::kLeastPrompts);
     return out;
   }
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, solve::take_features(take));
   const auto start = std::chrono::steady_clock::now();
   auto learnt = solve::personalise_on(take, features, file, until);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -104,79 +109,41 @@ std::string OpenModel::kernels() const {
 
 Result<solve::Solution> OpenModel::solve(const take::Take& take, const std::string& title,
                                          const Shaping& shaping) const {
-  solve::Solution solution;
-  const Progress progress = terminal_progress(title);
-  if (const auto* solver = std::get_if<tracker::WindowSolver>(&model_)) {
-    MIEN_TRY_ASSIGN(solution, solve::solve_take(take, *solver, settings_, progress));
-  } else if (const auto* causal = std::get_if<model::ModelFile>(&model_)) {
-    MIEN_TRY_ASSIGN(solution, solve_causal(take, *causal, progress, shaping));
-  } else {
-    MIEN_TRY_ASSIGN(solution, solve_tracked(take, progress, shaping));
-  }
-  if (shaping && !solution.shaped) solve::shape(*shaping, solution);
-  warn_of_missing_sensors(take, solution);
-  return solution;
+  MIEN_TRY_ASSIGN(std::vector<solve::Solution> solved, solve_by_each(take, title, {&shaping, 1}));
+  return std::move(solved.front());
 }
 
-Result<std::vector<solve::Solution>> OpenModel::solve_by_each(
-    const take::Take& take, const std::string& title,
-    std::span<const shaping::ShaperSettings> shaping) const {
-  const bool merged = sensor::kinds_of(take.rig()).size() > 1;
-  solve::Solution raw;
-  if (!merged) {
-    MIEN_TRY_ASSIGN(raw, solve(take, title));
-  }
+Result<std::vector<solve::Solution>> OpenModel::solve_by_each(const take::Take& take,
+                                                              const std::string& title,
+                                                              std::span<const Shaping> shaping) const {
   std::vector<solve::Solution> out;
-  for (const shaping::ShaperSettings& settings : shaping) {
-    if (!merged && !raw.shaped) {
-      solve::shape(settings, out.emplace_back(raw));
-      continue;
-    }
-    if (raw.shaped && settings == shaping::ShaperSettings{}) {  // Which is how it was replayed.
+  if (const auto* solver = std::get_if<tracker::WindowSolver>(&model_)) {
+    MIEN_TRY_ASSIGN(const solve::Solution raw,
+                    solve::solve_take(take, *solver, settings_, terminal_progress(title)));
+    for (const Shaping& settings : shaping) {
       out.push_back(raw);
-      continue;
+      if (settings) solve::shape(*settings, out.back());
     }
-    MIEN_TRY_ASSIGN(
-        out.emplace_back(),
-        solve(take, fmt::format("{}, {} of {}", title, out.size() + 1, shaping.size()), settings));
+  } else {
+    modalities::LiveModel model(path_);
+    Adapted adapted;
+    if (const auto* causal = std::get_if<model::ModelFile>(&model_)) model.imu = *causal;
+    if (adapt_ && model.imu) {
+      terminal_progress(title)(0, "learning the wearer");
+      MIEN_TRY_ASSIGN(adapted, adapt(take, *model.imu));
+    }
+    for (const Shaping& settings : shaping) {
+      const std::string numbered =
+          shaping.size() > 1 ? fmt::format("{}, {} of {}", title, out.size() + 1, shaping.size()) : title;
+      MIEN_TRY_ASSIGN(out.emplace_back(), solve::replay_take(take, model, terminal_progress(numbered),
+                                                             settings.value_or(shaping::ShaperSettings{})));
+      out.back().personalised = adapted.personalised;
+      out.back().personalise_s = adapted.seconds;
+      out.back().unlearnt = adapted.unlearnt;
+    }
   }
+  warn_of_missing_sensors(take, out.front());
   return out;
-}
-
-Result<solve::Solution> OpenModel::solve_causal(const take::Take& take, model::ModelFile file,
-                                                const Progress& progress, const Shaping& shaping) const {
-  const bool live = solve::recorded_live(take);
-  std::vector<model::FeatureFrame> features;
-  if (!live || adapt_) {
-    MIEN_TRY_ASSIGN(features, solve::take_features(take));
-  }
-  Adapted adapted;
-  // Prompts would drop what a phone taught.
-  if (adapt_ && file.skin && file.skin->wearer.empty() && !file.correction) {
-    progress(0, "learning the wearer");
-    MIEN_TRY_ASSIGN(adapted, adapt(take, features, file));
-  }
-  if (live && !adapted.personalised) {
-    MIEN_TRY_ASSIGN(solve::Solution replayed, solve_tracked(take, progress, shaping));
-    replayed.unlearnt = std::move(adapted.unlearnt);
-    return replayed;
-  }
-  MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
-                  tracker::CausalTracker::create(std::move(file), take.rig().face_sensor_names()));
-  MIEN_TRY_ASSIGN(solve::Solution solution, solve::solve_take(take, features, tracker, progress));
-  solution.personalised = adapted.personalised;
-  solution.personalise_s = adapted.seconds;
-  solution.unlearnt = std::move(adapted.unlearnt);
-  return solution;
-}
-
-Result<solve::Solution> OpenModel::solve_tracked(const take::Take& take, const Progress& progress,
-                                                 const Shaping& shaping) const {
-  const shaping::ShaperSettings settings = shaping.value_or(shaping::ShaperSettings{});
-  if (solve::recorded_live(take)) return solve::replay_take(take, path_, progress, settings);
-  MIEN_TRY_ASSIGN(const std::unique_ptr<tracker::Tracker> tracker,
-                  modalities::make_tracker(take.rig(), path_, settings));
-  return solve::solve_take(take, *tracker, progress);
 }
 
 void ModelOption::add_to(Command command) {

@@ -37,24 +37,17 @@ class OpenModel {
   /// What its network multiplies with on this CPU (model::kernel_name()).
   [[nodiscard]] std::string kernels() const;
   using Shaping = std::optional<shaping::ShaperSettings>;
-  /// Solves a take, showing progress under `title`; a live take by a live model is its replay, unless it is
-  /// to be personalised first. `shaping`: that of the session; none: the trackers' own answer, a replay's by
-  /// default settings. Says on stderr where the answer stands on few of the sensors or on none.
+  /// Solves a take, showing progress under `title`: by a live model as a session does (solve::replay_take()).
+  /// `shaping`: that of the session; none: its default settings, and a window model's own answer. Says on
+  /// stderr where the answer stands on few of the sensors or on none.
   [[nodiscard]] Result<solve::Solution> solve(const take::Take& take, const std::string& title,
                                               const Shaping& shaping = {}) const;
-  /// The same by each of these settings; solved once where they change no tracker's answer.
-  [[nodiscard]] Result<std::vector<solve::Solution>> solve_by_each(
-      const take::Take& take, const std::string& title,
-      std::span<const shaping::ShaperSettings> shaping) const;
+  /// The same by each of these settings.
+  [[nodiscard]] Result<std::vector<solve::Solution>> solve_by_each(const take::Take& take,
+                                                                   const std::string& title,
+                                                                   std::span<const Shaping> shaping) const;
 
  private:
-  /// Frame by frame; a live take that is not personalised is replayed (solve_tracked()).
-  [[nodiscard]] Result<solve::Solution> solve_causal(const take::Take& take, model::ModelFile file,
-                                                     const Progress& progress, const Shaping& shaping) const;
-  /// By the rig's own trackers: the replay of a live take, else frame by frame.
-  [[nodiscard]] Result<solve::Solution> solve_tracked(const take::Take& take, const Progress& progress,
-                                                      const Shaping& shaping) const;
-
   /// A causal network's tracker belongs to one take's rig, so it is made when there is one.
   std::variant<std::monostate, tracker::WindowSolver, model::ModelFile> model_;
   std::filesystem::path path_;  ///< Of a model that goes frame by frame.

@@ -8,6 +8,7 @@
 #include "mien/sensor/rig_part.h"
 #include "mien/solve/phone_truth.h"
 #include "mien/solve/solve.h"
+#include "mien/solve/trace_features.h"
 
 namespace mien::app {
 namespace {

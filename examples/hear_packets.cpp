@@ -13,19 +13,20 @@
 #include "mien/imu/packets/packet.h"
 #include "mien/modalities/modalities.h"
 #include "mien/sensor/bindings.h"
-#include "mien/session/replay.h"
+#include "mien/session/peers.h"
 
 namespace {
 using namespace mien;
 
-struct Printer final : session::SampleConsumer {  // Who is handed what was received.
-  sensor::Rig rig;
-  void add(HostTime arrival, const sensor::Sample& sample) override {
+/// Hears one datagram, prints its samples, and returns what is to be answered.
+std::span<const std::byte> hear(session::Session& session, HostTime arrival, sensor::Peer peer,
+                                std::span<const std::byte> datagram) {
+  const auto received = session.receive(arrival, peer, datagram);
+  for (const sensor::Sample& sample : received.samples)
     fmt::print("{:9.4f} s  {:20} {::.3f}\n", to_seconds(arrival.time_since_epoch()),
-               rig.sensors[sample.sensor].name, sample.used());
-  }
-  void rebound(std::uint16_t, const sensor::DeviceKey&, bool) override {}  // Another board sits there.
-};
+               session.rig().sensors[sample.sensor].name, sample.used());
+  return received.reply;
+}
 
 /// What the board at the rig's first place would send: gyroscope (rad/s) and accelerometer (m/s^2).
 take::LogEntry own_packet(std::int64_t id) {
@@ -37,37 +38,38 @@ take::LogEntry own_packet(std::int64_t id) {
   return {id, HostTime(std::chrono::milliseconds(10 * id + 2)), "own", imu::encode_packet(packet).value()};
 }
 
-void receive_from(std::uint16_t port, session::Receiver& receiver, Printer& printer) {
+void receive_from(std::uint16_t port, session::Session& session) {
   namespace asio = boost::asio;
   asio::io_context network;
   asio::ip::udp::socket socket(network, {asio::ip::udp::v4(), port});
-  std::map<asio::ip::udp::endpoint, sensor::Peer> peers;  // To the receiver a sender is a number.
+  std::map<asio::ip::udp::endpoint, sensor::Peer> peers;  // To the session a sender is a number.
   for (std::array<std::byte, 2048> bytes;;) {
     asio::ip::udp::endpoint from;
     const auto datagram = std::span(bytes).first(socket.receive_from(asio::buffer(bytes), from));
     const HostTime arrival(std::chrono::steady_clock::now().time_since_epoch());
     const auto peer = peers.emplace(from, static_cast<sensor::Peer>(peers.size())).first;
-    const auto reply = receiver.receive(arrival, peer->second, datagram, printer).reply;
+    const auto reply = hear(session, arrival, peer->second, datagram);
     if (!reply.empty()) socket.send_to(asio::buffer(reply.data(), reply.size()), from);  // To a hello.
   }
 }
 
 Result<void> run(const std::string& source) {
-  Printer printer;
+  const bool recorded = source.ends_with(".mien");
   std::vector<take::LogEntry> log = {own_packet(1), own_packet(2)};
-  if (source.ends_with(".mien")) {
+  sensor::Rig rig;
+  if (recorded) {
     MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(source));
     MIEN_TRY_ASSIGN(log, take.entries());
-    printer.rig = take.rig();
+    rig = take.rig();
   } else {
     MIEN_TRY_ASSIGN(const auto path, find_resource("rigs/default.toml"));
-    MIEN_TRY_ASSIGN(printer.rig, sensor::read_rig(path));
+    MIEN_TRY_ASSIGN(rig, sensor::read_rig(path));
   }
-  MIEN_TRY_ASSIGN(auto protocols, modalities::make_protocols());  // All that sensors speak.
-  MIEN_TRY_ASSIGN(const auto receiver, session::Receiver::create(printer.rig, std::move(protocols)));
-  if (!source.empty() && !source.ends_with(".mien"))
-    receive_from(static_cast<std::uint16_t>(std::stoi(source)), *receiver, printer);
-  static_cast<void>(session::replay_samples(log, {}, *receiver, printer, [](const auto&) { return true; }));
+  MIEN_TRY_ASSIGN(const auto session, modalities::make_receiving_session(rig));  // It tracks nothing.
+  if (!source.empty() && !recorded) receive_from(static_cast<std::uint16_t>(std::stoi(source)), *session);
+  session::Peers peers;
+  for (const take::LogEntry& entry : log)
+    hear(*session, entry.arrival, peers.of(entry.source).peer, entry.bytes);
   return {};
 }
 }  // namespace

@@ -53,7 +53,7 @@ int main() {
   session::Session::Parts parts;
   const sensor::Mount chin{.name = "chin", .kind = "jaw", .role = "face", .device = "00:00:00:00:00:01"};
   parts.rig = {.name = "toy", .reference = "chin", .sensors = {chin}};
-  parts.tracker = std::make_unique<JawTracker>();
+  parts.trackers.push_back(std::make_unique<JawTracker>());
   parts.protocols.push_back(std::make_unique<JawProtocol>());
   const auto session = session::Session::create(std::move(parts)).value();
   for (std::uint32_t i = 0; i < 400; ++i) {  // Two seconds: every 5 ms a datagram.

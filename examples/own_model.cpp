@@ -46,7 +46,7 @@ Result<void> run() {
   parts.rig = stage.rig;
   const auto names = stage.rig.face_sensor_names();
   const auto chin = static_cast<std::size_t>(std::ranges::find(names, "mentalis") - names.begin());
-  parts.tracker = std::make_unique<imu::ImuTracker>(stage.rig, std::make_unique<JawFromChin>(chin));
+  parts.trackers.push_back(std::make_unique<imu::ImuTracker>(stage.rig, std::make_unique<JawFromChin>(chin)));
   MIEN_TRY_ASSIGN(parts.protocols, modalities::make_protocols());
   MIEN_TRY_ASSIGN(const auto session, session::Session::create(std::move(parts)));
 

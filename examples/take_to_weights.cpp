@@ -29,14 +29,8 @@ Result<void> make_take(const std::filesystem::path& path) {
 Result<void> run(const std::filesystem::path& path, const std::string& named) {
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(path));
   MIEN_TRY_ASSIGN(const auto model, modalities::live_model(take.rig(), named));
-  solve::Solution solution;
-  if (solve::recorded_live(take)) {
-    // What the session showed, to the bit: its log is played through a session again.
-    MIEN_TRY_ASSIGN(solution, solve::replay_take(take, model, no_progress));
-  } else {
-    MIEN_TRY_ASSIGN(const auto tracker, modalities::make_tracker(take.rig(), model));
-    MIEN_TRY_ASSIGN(solution, solve::solve_take(take, *tracker, no_progress));
-  }
+  // As a session shows it: its log is played through a session again.
+  MIEN_TRY_ASSIGN(const solve::Solution solution, solve::replay_take(take, model, no_progress));
   fmt::print("time_s,{}\n", fmt::join(face::kShapeNames, ","));
   for (const face::OutputFrame& frame : solution.frames)
     fmt::print("{:.4f},{:.3f}\n", to_seconds(frame.time.time_since_epoch()),

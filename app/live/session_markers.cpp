@@ -19,20 +19,12 @@ DeviceTime device_time(double seconds) {
   return DeviceTime(from_seconds(seconds));
 }
 
-/// Takes no samples: only the clocks that they tell are wanted.
-class NoConsumer final : public session::SampleConsumer {
-  void add(HostTime, const sensor::Sample&) override {}
-  void rebound(std::uint16_t, const sensor::DeviceKey&, bool) override {}
-};
-
 /// The track with its times on the take's line; frames before both clocks are known are left out. What was
 /// known of the clocks at the first tick after a frame came places it. Errors: the take's,
-/// Receiver::create's.
+/// modalities::make_receiving_session's.
 Result<mocap::MarkerTrack> on_line(const mocap::MarkerLog::Received& received, const take::Take& take) {
-  MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
-  MIEN_TRY_ASSIGN(modalities::Protocols protocols, modalities::make_protocols());
-  MIEN_TRY_ASSIGN(const std::unique_ptr<session::Receiver> receiver,
-                  session::Receiver::create(take.rig(), std::move(protocols)));
+  MIEN_TRY_ASSIGN(const std::unique_ptr<session::Session> session,
+                  modalities::make_receiving_session(take.rig()));
   sensor::ClockModel server;
   mocap::MarkerTrack track;
   track.name = take.path().stem().string();
@@ -42,20 +34,18 @@ Result<mocap::MarkerTrack> on_line(const mocap::MarkerLog::Received& received, c
     for (; next < received.track.frames() && received.arrival[next] <= known; ++next) {
       const DeviceTime time = device_time(received.track.time_s[next]);
       server.add(time, received.arrival[next]);
-      if (!receiver->lines().ready()) continue;
-      const double line_s = to_seconds(receiver->lines().from_host(server.to_host(time)).time_since_epoch());
+      if (!session->lines().ready()) continue;
+      const double line_s = to_seconds(session->lines().from_host(server.to_host(time)).time_since_epoch());
       if (!track.time_s.empty() && line_s <= track.time_s.back()) continue;
       track.time_s.push_back(line_s);
       const auto frame = received.track.frame(next);
       track.position_m.insert(track.position_m.end(), frame.begin(), frame.end());
     }
   };
-  NoConsumer nobody;
-  MIEN_TRY_ASSIGN([[maybe_unused]] const bool whole,
-                  session::replay_samples(take, ticks, *receiver, nobody, [&](const take::Tick& tick) {
-                    place_until(tick.fired);
-                    return true;
-                  }));
+  MIEN_TRY(session::replay(take, *session, [&](const take::Tick& tick, const face::OutputFrame&) {
+    place_until(tick.fired);
+    return true;
+  }));
   place_until(HostTime::max());
   return track;
 }

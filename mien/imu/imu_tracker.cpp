@@ -90,7 +90,7 @@ tracker::TickResult ImuTracker::tick(DeviceTime frame, const sensor::TimeLines& 
       report(Event::Kind::withdrawn);
     }
   }
-  if (const model::ModelFile* file = model_->personal())
+  if (const model::ModelFile* file = personal())
     if (std::optional<tracker::WearerLearner::Learnt> learnt = learner_.add(features_, *file)) {
       use({.slopes = std::move(learnt->slopes), .correction = {}, .score = std::move(learnt->score)});
       report(Event::Kind::calibrated);
@@ -98,11 +98,12 @@ tracker::TickResult ImuTracker::tick(DeviceTime frame, const sensor::TimeLines& 
   if (asked_until_ && frame >= *asked_until_) end_guidance();
   const auto present =
       static_cast<std::size_t>(std::ranges::count_if(features_.sensors, &model::SensorFeature::has_rotation));
-  if (present == 0 && !pipeline_.calibration().complete) {
+  const bool begins = present == 0 && !pipeline_.calibration().complete;
+  if (begins || model_ == nullptr) {
     out = {};
     out.time = frame;
     out.provenance.fill(face::Provenance::neutral);
-    result.sensors_present = face_.size();  // Not a loss: there was no calibration yet.
+    result.sensors_present = begins ? face_.size() : present;  // No loss before there was a calibration.
     return result;
   }
   model_->step(features_, out);
@@ -120,7 +121,7 @@ void ImuTracker::rest(DeviceTime begin, DeviceTime end) {
 }
 
 tracker::Guidance ImuTracker::guidance() const {
-  return {.learns_wearer = model_->personal() != nullptr};
+  return {.learns_wearer = personal() != nullptr};
 }
 
 void ImuTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
@@ -141,7 +142,7 @@ void ImuTracker::guide_range(DeviceTime, DeviceTime end) {
 }
 
 void ImuTracker::guide_expression(const tracker::PromptedExpression& asked) {
-  if (!asked_until_ || model_->personal() == nullptr) return;
+  if (!asked_until_ || personal() == nullptr) return;
   learner_.expect(asked);
   asked_until_ = std::max(*asked_until_, asked.end + tracker::kWearerLearnt + tracker::kWearerShown);
 }
@@ -166,7 +167,7 @@ void ImuTracker::use(Wearer wearer) {
   const bool other_correction = wearer.correction != wearer_.correction;
   // A model that is corrected is asked for no skin: the skin first, then what corrects answers on it.
   if (other_correction) model_->use_correction(nullptr);
-  if (model_->personal() != nullptr && wearer.slopes != wearer_.slopes) model_->use_wearer(wearer.slopes);
+  if (personal() != nullptr && wearer.slopes != wearer_.slopes) model_->use_wearer(wearer.slopes);
   if (other_correction && wearer.correction) model_->use_correction(&*wearer.correction);
   wearer_ = std::move(wearer);
 }
@@ -221,6 +222,7 @@ Result<void> ImuTracker::restore(std::string_view json) {
   MIEN_TRY_ASSIGN(const Calibration calibration, parse_calibration(json, "calibration"));
   MIEN_TRY(pipeline_.restore(calibration));
   end_guidance();
+  if (model_ == nullptr) return {};
   // Of a model whose answers are corrected nobody can tell whether it takes a skin.
   use({.slopes = wearer_.slopes, .correction = {}, .score = {}});
   Wearer wearer{.slopes = calibration.wearer, .correction = calibration.correction, .score = {}};
@@ -233,7 +235,7 @@ Result<void> ImuTracker::restore(std::string_view json) {
                                  .pass = false,
                                  .sentence = "a phone taught another model; let it teach this one"};
   }
-  const model::ModelFile* file = model_->personal();
+  const model::ModelFile* file = personal();
   if (!wearer.slopes.empty() && (file == nullptr || file->skin->standard.size() != wearer.slopes.size())) {
     // The rest of the calibration is valid.
     wearer.slopes.clear();
@@ -253,6 +255,7 @@ Result<void> ImuTracker::restore(std::string_view json) {
 }
 
 Result<void> ImuTracker::correct(const model::Correction& correction) {
+  if (model_ == nullptr) return Tracker::correct(correction);
   MIEN_TRY(model_->check_correction(correction));
   if (!pipeline_.calibration().complete)
     return fail(ErrorCode::not_found, "nothing is calibrated yet", "session", "calibrate first");

@@ -16,7 +16,8 @@ namespace mien::imu {
 /// frame model.
 class ImuTracker final : public tracker::Tracker {
  public:
-  /// `model` takes features of the rig's face sensors, in the rig's order.
+  /// `model` takes features of the rig's face sensors, in the rig's order. Null: the tracker calibrates and
+  /// gives features(), and its frames are neutral.
   ImuTracker(const sensor::Rig& rig, std::unique_ptr<tracker::FrameModel> model,
              const PipelineSettings& settings = live_settings());
   /// Default settings with self-calibration, for live sessions.
@@ -26,6 +27,7 @@ class ImuTracker final : public tracker::Tracker {
   void add(HostTime arrival, const sensor::Sample& sample) override;
   void forget(std::uint16_t sensor) override;
   tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;
+  [[nodiscard]] const model::FeatureFrame* features() const override { return &features_; }
   void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
   [[nodiscard]] tracker::Guidance guidance() const override;
   void guide_range(DeviceTime begin, DeviceTime end) override;
@@ -49,6 +51,10 @@ class ImuTracker final : public tracker::Tracker {
     std::optional<model::Correction> correction;  // None: the model's own.
     std::optional<sensor::Score> score;           // Of the last guided calibration.
   };
+  /// The model file for which a wearer can be learnt; null: none.
+  [[nodiscard]] const model::ModelFile* personal() const {
+    return model_ != nullptr ? model_->personal() : nullptr;
+  }
   /// Whether the guided calibration passes its scores; sets hint_ otherwise.
   bool passes_checks();
   /// Ends guidance and keeps its calibration.

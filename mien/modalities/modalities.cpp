@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -38,7 +37,6 @@
 #include "mien/phone/weights_tracker.h"
 #include "mien/sensor/rig_part.h"
 #include "mien/sensor/sealed_protocol.h"
-#include "mien/shaping/combined_tracker.h"
 #include "mien/speech/listeners.h"
 #include "mien/speech/microphone_protocol.h"
 #include "mien/speech/sound_protocol.h"
@@ -51,23 +49,25 @@ namespace {
 using MadeTracker = Result<std::unique_ptr<tracker::Tracker>>;
 using Reducers = std::vector<session::ProtocolReducer>;
 
-MadeTracker make_imu_tracker(const sensor::Rig& rig, const std::filesystem::path& path, Reducers&) {
-  MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(path));
-  auto model = tracker::CausalTracker::create(std::move(file), rig.face_sensor_names());
+MadeTracker make_imu_tracker(const sensor::Rig& rig, const LiveModel& from, Reducers&) {
+  Result<model::ModelFile> file =
+      from.imu ? Result<model::ModelFile>(*from.imu) : model::read_model(from.path);
+  if (!file) return std::unexpected(std::move(file).error());
+  auto model = tracker::CausalTracker::create(*std::move(file), rig.face_sensor_names());
   if (!model) {
-    model.error().where = path.string();
+    model.error().where = from.path.string();
     return std::unexpected(std::move(model).error());
   }
   return std::make_unique<imu::ImuTracker>(rig, std::make_unique<tracker::CausalTracker>(*std::move(model)));
 }
 
-MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const std::filesystem::path& path, Reducers&) {
+MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const LiveModel& from, Reducers&) {
   MIEN_TRY_ASSIGN(const std::filesystem::path markers, find_resource("rigs/markers.toml"));
   MIEN_TRY_ASSIGN(const builtin_face::MarkerSet set, builtin_face::read_markers(markers));
-  MIEN_TRY_ASSIGN(eyewear::MarkerNetworkFile file, eyewear::read_marker_network(path));
+  MIEN_TRY_ASSIGN(eyewear::MarkerNetworkFile file, eyewear::read_marker_network(from.path));
   auto face = eyewear::MarkedFace::of(file, set);
   if (!face) {
-    face.error().where = path.string();
+    face.error().where = from.path.string();
     return std::unexpected(std::move(face).error());
   }
   MIEN_TRY_ASSIGN(auto regressor,
@@ -75,15 +75,15 @@ MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const std::filesystem::
   return eyewear::EyewearTracker::create(rig, *std::move(face), std::move(regressor));
 }
 
-MadeTracker make_gaze_tracker(const sensor::Rig& rig, const std::filesystem::path&, Reducers&) {
+MadeTracker make_gaze_tracker(const sensor::Rig& rig, const LiveModel&, Reducers&) {
   return gaze::GazeTracker::create(rig);
 }
 
-MadeTracker make_weights_tracker(const sensor::Rig& rig, const std::filesystem::path&, Reducers&) {
+MadeTracker make_weights_tracker(const sensor::Rig& rig, const LiveModel&, Reducers&) {
   return phone::WeightsTracker::create(rig);
 }
 
-MadeTracker make_speech_tracker(const sensor::Rig& rig, const std::filesystem::path& path, Reducers&) {
+MadeTracker make_speech_tracker(const sensor::Rig& rig, const LiveModel& from, Reducers&) {
   const std::vector<std::uint16_t> microphones = sensor::sensors_of(rig, "speech");
   // What hears is made when there is sound; that something is missing is said before.
   if (!microphones.empty() && rig.sensors[microphones.front()].hears_by == "phones") {
@@ -93,7 +93,7 @@ MadeTracker make_speech_tracker(const sensor::Rig& rig, const std::filesystem::p
       return std::make_unique<speech::PhoneListener>(std::move(decoder));
     });
   }
-  MIEN_TRY_ASSIGN(speech::SpeechNetworkFile file, speech::read_speech_network(path));
+  MIEN_TRY_ASSIGN(speech::SpeechNetworkFile file, speech::read_speech_network(from.path));
   return speech::SpeechTracker::create(
       rig, [file = std::move(file)]() -> Result<std::unique_ptr<speech::Listener>> {
         MIEN_TRY_ASSIGN(speech::SpeechNetwork network, speech::SpeechNetwork::create(file));
@@ -101,8 +101,8 @@ MadeTracker make_speech_tracker(const sensor::Rig& rig, const std::filesystem::p
       });
 }
 
-MadeTracker make_camera_tracker(const sensor::Rig& rig, const std::filesystem::path& path,
-                                Reducers& reducers) {
+MadeTracker make_camera_tracker(const sensor::Rig& rig, const LiveModel& from, Reducers& reducers) {
+  const std::filesystem::path& path = from.path;
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
     return fail(ErrorCode::not_found, "no model of a headset's pictures", path.string(),
@@ -193,7 +193,7 @@ struct Modality {
   std::span<const std::uint16_t> ports;  ///< UDP ports that its devices send to, unless told otherwise.
   /// Appends what reduces the payloads of its protocols, where they are reduced before they are logged.
   /// Errors: the model's.
-  MadeTracker (*make_tracker)(const sensor::Rig& rig, const std::filesystem::path& model, Reducers& reducers);
+  MadeTracker (*make_tracker)(const sensor::Rig& rig, const LiveModel& model, Reducers& reducers);
   /// Appends what its devices speak, to a session of this token.
   Result<void> (*add_languages)(std::uint64_t session, std::vector<Language>& languages);
   /// Where another kind's model is named, this one's is the default, or what has its name in the folder.
@@ -297,30 +297,27 @@ Result<std::filesystem::path> model_of(const Modality& modality, const std::vect
   return find_resource(std::string(modality.default_model));
 }
 
-using Reshape = std::function<void(const shaping::ShaperSettings&)>;
-
-/// The rig's tracker; of several kinds one that merges theirs, each with the model of its default name in the
-/// folder. `reshape` becomes what must be told of other settings, where there is somebody to tell; `reducers`
-/// gains theirs.
-MadeTracker make(const sensor::Rig& rig, const std::filesystem::path& model,
-                 const shaping::ShaperSettings& shaping, Reshape& reshape, Reducers& reducers) {
+/// A tracker for each kind of the rig's sensors; of several kinds each with the model of its default name in
+/// the folder. `reducers` gains theirs.
+Result<std::vector<std::unique_ptr<tracker::Tracker>>> make_trackers(const sensor::Rig& rig,
+                                                                     const LiveModel& model,
+                                                                     Reducers& reducers) {
   MIEN_TRY_ASSIGN(const std::vector<const Modality*> modalities, modalities_of(rig));
-  if (modalities.size() == 1) return modalities.front()->make_tracker(rig, model, reducers);
   const std::vector<const Modality*> wanting = with_models(modalities);
-  if (wanting.size() > 1 && !std::filesystem::is_directory(model))
+  if (wanting.size() > 1 && !std::filesystem::is_directory(model.path))
     return fail(ErrorCode::bad_usage, "a rig with sensors of several kinds wants a folder of models",
-                model.string(),
+                model.path.string(),
                 "name the folder, with each kind's model under its default name, as models/ has them");
-  std::vector<shaping::CombinedTracker::Part> parts;
+  std::vector<std::unique_ptr<tracker::Tracker>> trackers;
   for (const Modality* modality : modalities) {
-    MIEN_TRY_ASSIGN(const std::filesystem::path its_model, model_of(*modality, wanting, model));
-    MIEN_TRY_ASSIGN(std::unique_ptr<tracker::Tracker> one,
-                    modality->make_tracker(sensor::part_of(rig, modality->kind), its_model, reducers));
-    parts.push_back({std::move(one), sensor::sensors_of(rig, modality->kind)});
+    LiveModel its_own = model;
+    if (modalities.size() > 1) {
+      MIEN_TRY_ASSIGN(its_own.path, model_of(*modality, wanting, model.path));
+    }
+    MIEN_TRY_ASSIGN(trackers.emplace_back(),
+                    modality->make_tracker(sensor::part_of(rig, modality->kind), its_own, reducers));
   }
-  auto combined = std::make_unique<shaping::CombinedTracker>(std::move(parts), shaping);
-  reshape = [tracker = combined.get()](const shaping::ShaperSettings& settings) { tracker->set(settings); };
-  return combined;
+  return trackers;
 }
 
 }  // namespace
@@ -360,14 +357,6 @@ std::string live_kernels(const sensor::Rig& rig) {
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
-Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,
-                                                       const std::filesystem::path& model,
-                                                       const shaping::ShaperSettings& settings) {
-  Reshape nobody_asks;
-  Reducers nobody_reduces;
-  return make(rig, model, settings, nobody_asks, nobody_reduces);
-}
-
 Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys) {
   MIEN_TRY_ASSIGN(const std::uint64_t session, draw_session());
   std::vector<Language> languages;
@@ -392,17 +381,23 @@ Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys) {
   return inside;
 }
 
-Result<std::unique_ptr<session::Session>> make_session(const sensor::Rig& rig,
-                                                       const std::filesystem::path& model,
+Result<std::unique_ptr<session::Session>> make_session(const sensor::Rig& rig, const LiveModel& model,
                                                        const shaping::ShaperSettings& shaping,
                                                        const std::vector<sensor::SealKey>& keys,
                                                        Pictures pictures) {
   session::Session::Parts parts;
   parts.rig = rig;
   parts.shaping = shaping;
-  MIEN_TRY_ASSIGN(parts.tracker, make(rig, model, shaping, parts.reshape, parts.reducers));
+  MIEN_TRY_ASSIGN(parts.trackers, make_trackers(rig, model, parts.reducers));
   MIEN_TRY_ASSIGN(parts.protocols, make_protocols(keys));
   if (pictures == Pictures::kept) parts.reducers.clear();
+  return session::Session::create(std::move(parts));
+}
+
+Result<std::unique_ptr<session::Session>> make_receiving_session(const sensor::Rig& rig) {
+  session::Session::Parts parts;
+  parts.rig = rig;
+  MIEN_TRY_ASSIGN(parts.protocols, make_protocols());
   return session::Session::create(std::move(parts));
 }
 

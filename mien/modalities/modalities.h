@@ -1,18 +1,21 @@
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/model/model_file.h"
 #include "mien/sensor/protocol.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/seal.h"
 #include "mien/session/session.h"
 #include "mien/shaping/settings.h"
-#include "mien/tracker/tracker.h"
 
 // Trackers, protocols and models of all modalities, by the kinds of a rig's sensors.
 namespace mien::modalities {
@@ -37,13 +40,6 @@ using Protocols = std::vector<std::unique_ptr<sensor::Protocol>>;
 /// several kinds each name once. "none" where no kind needs a network.
 [[nodiscard]] std::string live_kernels(const sensor::Rig& rig);
 
-/// The tracker for a rig's sensors, with the live model of live_model(); for sensors of several kinds one
-/// that merges those of each (shaping::CombinedTracker), by these settings: a take whose session changed its
-/// own is solved otherwise than it was shown, while a replay obeys the changes. Errors: unsupported (sensors
-/// of a kind that is unknown), the model's (mismatch: another rig's).
-[[nodiscard]] Result<std::unique_ptr<tracker::Tracker>> make_tracker(
-    const sensor::Rig& rig, const std::filesystem::path& model, const shaping::ShaperSettings& settings = {});
-
 /// The protocols of all sensors; with keys one that opens the packets of those which can be sealed, beside
 /// what devices inside this program speak, and nobody else is heard. Errors: internal (libsodium), the keys'.
 [[nodiscard]] Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys = {});
@@ -54,11 +50,24 @@ enum class Pictures : std::uint8_t {
   kept,     ///< The pictures themselves, so that another network can look at them.
 };
 
-/// A session for a rig: its sensors' tracker with this live model, and the protocols of all sensors. With
+/// The live model of a rig's sensors.
+struct LiveModel {
+  template <class Path>
+  requires std::convertible_to<Path, std::filesystem::path> LiveModel(Path&& file_or_folder)
+      : path(std::forward<Path>(file_or_folder)) {}
+  std::filesystem::path path;             ///< live_model()'s.
+  std::optional<model::ModelFile> imu{};  ///< In place of the file that the IMUs' tracker would read.
+};
+
+/// A session for a rig: its sensors' trackers with this live model, and the protocols of all sensors. With
 /// keys only what is sealed by one of them is accepted, so nothing from serial lines. A replay shows the same
-/// with either kind of `pictures`. Errors: those of make_tracker and make_protocols, the session's.
+/// with either kind of `pictures`. Errors: unsupported (sensors of a kind that is unknown), the model's
+/// (mismatch: another rig's), make_protocols', the session's.
 [[nodiscard]] Result<std::unique_ptr<session::Session>> make_session(
-    const sensor::Rig& rig, const std::filesystem::path& model, const shaping::ShaperSettings& shaping = {},
+    const sensor::Rig& rig, const LiveModel& model, const shaping::ShaperSettings& shaping = {},
     const std::vector<sensor::SealKey>& keys = {}, Pictures pictures = Pictures::reduced);
+
+/// A session without trackers: devices, clocks and ticks alone. Errors: make_protocols', the session's.
+[[nodiscard]] Result<std::unique_ptr<session::Session>> make_receiving_session(const sensor::Rig& rig);
 
 }  // namespace mien::modalities

@@ -137,9 +137,70 @@ Result<Shape> shape_of(const json& object) {
 /// By the numbers of Calibrate::Kind.
 constexpr std::array<std::string_view, 4> kCalibrationKinds = {"short", "full", "wearer", "gaze"};
 
+/// Steps of one command: a prologue has a few, and a target of gaze each.
+constexpr std::size_t kMostSteps = 64;
+
+json write_step(const Calibrate::GivenStep& given) {
+  json out = {{"step", given.range             ? "range"
+                       : given.look != nullptr ? "gaze"
+                                               : std::string(step_name(given.step))},
+              {"begin_ns", given.begin.time_since_epoch().count()},
+              {"end_ns", given.end.time_since_epoch().count()}};
+  if (given.look != nullptr) out["name"] = std::string(given.look->name);
+  return out;
+}
+
+Result<Calibrate::GivenStep> step_of(const json& object) {
+  if (!object.is_object()) return fail(ErrorCode::malformed, "a step is no object", kCommand);
+  MIEN_TRY_ASSIGN(const std::string name, text_of(object, "step"));
+  Calibrate::GivenStep given{.step = tracker::step_named(name), .range = name == "range"};
+  if (name == "gaze") given.look = gaze_event_target(object.dump());
+  if (given.step == tracker::Step::none && !given.range && given.look == nullptr)
+    return fail(ErrorCode::malformed, fmt::format("there is no step \"{}\"", excerpt(name)), kCommand,
+                "neutral, nod, shake, range, or gaze with the name of a target");
+  const auto time = [&object](const char* key) -> std::optional<DeviceTime> {
+    const auto found = object.find(key);
+    if (found == object.end() || !found->is_number_integer()) return std::nullopt;
+    return DeviceTime(Duration(found->get<std::int64_t>()));
+  };
+  const auto begin = time("begin_ns"), end = time("end_ns");
+  if (!begin || !end || *end <= *begin)
+    return fail(ErrorCode::malformed, fmt::format("the step {} has no begin_ns and later end_ns", name),
+                kCommand, "give both as whole nanoseconds of the frames' clock");
+  given.begin = *begin;
+  given.end = *end;
+  return given;
+}
+
+Result<Calibrate> calibrate_of(const json& object) {
+  Calibrate command;
+  if (const auto steps = object.find("steps"); steps != object.end()) {
+    if (!steps->is_array() || steps->empty() || steps->size() > kMostSteps)
+      return fail(ErrorCode::malformed, fmt::format("\"steps\" is no list of 1 to {} steps", kMostSteps),
+                  kCommand);
+    for (const json& step : *steps) {
+      MIEN_TRY_ASSIGN(const Calibrate::GivenStep given, step_of(step));
+      if (!command.steps.empty() && given.begin < command.steps.back().begin)
+        return fail(ErrorCode::malformed, "a step begins before the one before it", kCommand);
+      command.steps.push_back(given);
+    }
+    return command;
+  }
+  MIEN_TRY_ASSIGN(const std::string kind, text_of(object, "kind"));
+  const auto found = std::ranges::find(kCalibrationKinds, kind);
+  if (found == kCalibrationKinds.end())
+    return fail(ErrorCode::malformed, fmt::format("there is no calibration \"{}\"", excerpt(kind)), kCommand,
+                "short, full, wearer or gaze");
+  command.kind = static_cast<Calibrate::Kind>(found - kCalibrationKinds.begin());
+  return command;
+}
+
 struct Writer {
   json operator()(const Calibrate& c) const {
-    return {{"command", "calibrate"}, {"kind", kCalibrationKinds.at(static_cast<std::size_t>(c.kind))}};
+    json out = {{"command", "calibrate"}};
+    if (c.steps.empty()) out["kind"] = kCalibrationKinds.at(static_cast<std::size_t>(c.kind));
+    for (const Calibrate::GivenStep& given : c.steps) out["steps"].push_back(write_step(given));
+    return out;
   }
   json operator()(const CancelCalibration&) const { return {{"command", "cancel_calibration"}}; }
   json operator()(const UseCalibration& c) const {
@@ -236,14 +297,7 @@ Result<Command> parse_command(std::string_view text) {
     return fail(ErrorCode::malformed, "not a JSON object of a command", kCommand,
                 "docs/reference/page_protocol.md lists the commands");
   MIEN_TRY_ASSIGN(const std::string name, text_of(object, "command"));
-  if (name == "calibrate") {
-    MIEN_TRY_ASSIGN(const std::string kind, text_of(object, "kind"));
-    const auto found = std::ranges::find(kCalibrationKinds, kind);
-    if (found == kCalibrationKinds.end())
-      return fail(ErrorCode::malformed, fmt::format("there is no calibration \"{}\"", excerpt(kind)),
-                  kCommand, "short, full, wearer or gaze");
-    return Calibrate{static_cast<Calibrate::Kind>(found - kCalibrationKinds.begin())};
-  }
+  if (name == "calibrate") return calibrate_of(object);
   if (name == "cancel_calibration") return CancelCalibration{};
   if (name == "use_calibration") {
     const auto version = object.find("version");

@@ -5,13 +5,17 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "mien/core/error.h"
+#include "mien/core/time.h"
+#include "mien/face/gaze_targets.h"
 #include "mien/model/correction.h"
 #include "mien/sensor/picture_view.h"
 #include "mien/sensor/protocol.h"
 #include "mien/session/consent.h"
 #include "mien/session/prompt.h"
+#include "mien/tracker/tracker.h"
 
 namespace mien::session {
 
@@ -27,6 +31,16 @@ struct Calibrate {
     gaze,    ///< "gaze": as brief, then targets to look at.
   };
   Kind kind = Kind::brief;
+  /// A step whose time is known beforehand, as a virtual performer's is: the frames [begin, end) of the
+  /// output grid. Of `step`, `range` and `look` one is set.
+  struct GivenStep {
+    tracker::Step step = tracker::Step::none;
+    bool range = false;                      ///< A range of motion.
+    const face::GazeTarget* look = nullptr;  ///< The eyes rest on this target.
+    DeviceTime begin, end;
+  };
+  /// Ascending by `begin`, all in the future. With steps the session leads nobody: it follows them.
+  std::vector<GivenStep> steps;
 };
 struct CancelCalibration {};
 /// Puts a version in force that the session made before.

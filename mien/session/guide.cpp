@@ -29,17 +29,18 @@ DeviceTime Guide::Part::looks_from() const {
   return begin + kReaction;
 }
 
-void Guide::begin(Calibrate::Kind kind) {
+void Guide::begin(const Calibrate& command) {
   *this = {};
   state_ = State::wanted;
-  kind_ = kind;
+  command_ = command;
 }
 
 void Guide::plan(DeviceTime begin, const tracker::Guidance& wanted) {
   DeviceTime at = begin + kLeadIn;
   const auto add = [&](Step step, std::string_view name, std::string_view prompt, Duration length,
                        const face::BlendshapeWeights* target) {
-    parts_.push_back({step, name, prompt, target, nullptr, false, at, at + length});
+    parts_.push_back(
+        {.step = step, .name = name, .prompt = prompt, .target = target, .begin = at, .end = at + length});
     at += length;
   };
   add(Step::neutral, "neutral", "Look ahead, relax your face and hold still", wanted.neutral, nullptr);
@@ -47,45 +48,61 @@ void Guide::plan(DeviceTime begin, const tracker::Guidance& wanted) {
     add(Step::nod, "nod", "Keep your face still and nod twice, down first", kGesture, nullptr);
     add(Step::shake, "shake", "Keep your face still and shake your head twice", kGesture, nullptr);
   }
-  if (kind_ == Calibrate::Kind::gaze)
+  if (command_.kind == Calibrate::Kind::gaze)
     for (const face::GazeTarget& look : face::gaze_targets()) {
       add(Step::none, look.name, look.prompt, kLook, nullptr);
       parts_.back().look = &look;
     }
-  if (kind_ == Calibrate::Kind::full || kind_ == Calibrate::Kind::wearer)
+  if (command_.kind == Calibrate::Kind::full || command_.kind == Calibrate::Kind::wearer)
     for (const face::Anchor& anchor : face::anchors()) {
       add(Step::none, anchor.name, anchor.prompt, kAnchor, &anchor.target);
       parts_.back().scored = true;
     }
-  if (kind_ == Calibrate::Kind::wearer) {
+  if (command_.kind == Calibrate::Kind::wearer) {
     for (const face::Anchor& asked : face::range_of_motion())
       add(Step::none, asked.name, asked.prompt, kRange, &asked.target);
     add(Step::none, "learning", "Relax: how your skin turns is being learnt", kLearning, nullptr);
   }
-  response_.assign(parts_.size(), 0.0F);
 }
 
-void Guide::before(DeviceTime frame, tracker::Tracker& tracker) {
+void Guide::plan_given() {
+  for (const Calibrate::GivenStep& given : command_.steps)
+    parts_.push_back({.step = given.step,
+                      .name = given.look != nullptr ? given.look->name
+                              : given.range         ? "range"
+                                                    : step_name(given.step),
+                      .look = given.look,
+                      .range = given.range,
+                      .begin = given.look != nullptr ? given.begin - kReaction : given.begin,
+                      .end = given.end});
+}
+
+void Guide::before(DeviceTime frame, TrackerSet& trackers) {
   if (state_ != State::wanted) return;
-  plan(frame, tracker.guidance());
+  if (command_.steps.empty())
+    plan(frame, trackers.guidance());
+  else
+    plan_given();
+  response_.assign(parts_.size(), 0.0F);
   for (const Part& part : parts_) {
-    if (part.step != Step::none) tracker.guide(part.step, part.begin, part.end);
-    if (part.look != nullptr) tracker.guide_gaze(*part.look, part.looks_from(), part.end);
+    if (part.step != Step::none) trackers.guide(part.step, part.begin, part.end);
+    if (part.look != nullptr) trackers.guide_gaze(*part.look, part.looks_from(), part.end);
+    if (part.range) trackers.guide_range(part.begin, part.end);
   }
   const auto asked = [](const Part& part) { return part.target != nullptr; };
   const auto first = std::ranges::find_if(parts_, asked);
   if (first != parts_.end()) {
     const auto last = std::find_if(parts_.rbegin(), parts_.rend(), asked);
-    tracker.guide_range(first->begin, last->end);
+    trackers.guide_range(first->begin, last->end);
   }
-  if (kind_ == Calibrate::Kind::wearer)
+  if (command_.kind == Calibrate::Kind::wearer)
     for (const Part& part : parts_)
       if (asked(part))
-        tracker.guide_expression({.name = std::string(part.name),
-                                  .begin = part.begin,
-                                  .end = part.end,
-                                  .held = true,
-                                  .target = *part.target});
+        trackers.guide_expression({.name = std::string(part.name),
+                                   .begin = part.begin,
+                                   .end = part.end,
+                                   .held = true,
+                                   .target = *part.target});
   state_ = State::running;
 }
 

@@ -9,6 +9,7 @@
 #include "mien/face/output_frame.h"
 #include "mien/sensor/calibration.h"
 #include "mien/session/command.h"
+#include "mien/session/tracker_set.h"
 #include "mien/tracker/tracker.h"
 
 namespace mien::session {
@@ -19,13 +20,13 @@ namespace mien::session {
 /// it begins and ends.
 class Guide {
  public:
-  /// From the next tick on.
-  void begin(Calibrate::Kind kind);
+  /// From the next tick on: as the session leads through it, or the steps that the command gives.
+  void begin(const Calibrate& command);
   void cancel() { *this = {}; }
   [[nodiscard]] bool running() const { return state_ != State::idle; }
 
   /// At each tick: first this, ...
-  void before(DeviceTime frame, tracker::Tracker& tracker);
+  void before(DeviceTime frame, TrackerSet& trackers);
   /// ... then, with the tracker's answer, this. Returns true at the tick at which it is over.
   bool after(const face::OutputFrame& frame);
   /// Of the anchors, of the run that was over last; empty for a short one.
@@ -39,6 +40,7 @@ class Guide {
     const face::BlendshapeWeights* target = nullptr;  ///< Of an expression.
     const face::GazeTarget* look = nullptr;           ///< Where to look.
     bool scored = false;                              ///< An anchor.
+    bool range = false;                               ///< A whole range of motion.
     DeviceTime begin, end;
     /// When the eyes are taken to rest on a target: people hear, read and turn them first.
     [[nodiscard]] DeviceTime looks_from() const;
@@ -60,9 +62,11 @@ class Guide {
  private:
   enum class State { idle, wanted, running };
   void plan(DeviceTime begin, const tracker::Guidance& wanted);
+  /// The command's own steps.
+  void plan_given();
 
   State state_ = State::idle;
-  Calibrate::Kind kind_ = Calibrate::Kind::brief;
+  Calibrate command_;
   std::vector<Part> parts_;
   std::vector<float> response_;  // Of each part.
   std::vector<sensor::Score> scores_;

@@ -334,10 +334,7 @@ void Receiver::take_reading(HostTime arrival, Sender sender, std::size_t protoco
   sample.sensor = *from->sensor;
   ticks_.add(arrival, sample);
   if (rig_.sensors[*from->sensor].is_truth()) return;
-  if (reading.payload.empty())
-    consumer.add(arrival, sample);
-  else
-    consumer.add_with_payload(arrival, sample, reading.payload);
+  consumer.add(arrival, sample, reading.payload);
 }
 
 bool Receiver::speaks_from(const DeviceKey& key, sensor::Peer peer) const {
@@ -381,18 +378,18 @@ Receiver::Received Receiver::receive(HostTime arrival, Sender sender, std::span<
   const std::size_t protocol = protocol_of(datagram);
   sensor::Reducer* const reducer = protocol < reducers_.size() ? reducers_[protocol].get() : nullptr;
   if (payload.empty() || payload.size() > sensor::kMaxPayload || reducer == nullptr)
-    return decode(arrival, sender, protocol, datagram, {payload, {}}, consumer);
+    return decode(arrival, sender, protocol, datagram, {payload, {}}, Origin::device, consumer);
   const std::optional<std::size_t> length = reducer->reduce(datagram, payload, reduction_);
   if (!length || *length == 0 || *length > reduction_.size()) return reject_malformed(sender.peer);
   reduced_by_ = reducer->hash();
   return decode(arrival, sender, protocol, datagram, {std::span(reduction_).first(*length), reduced_by_},
-                consumer);
+                Origin::device, consumer);
 }
 
 Receiver::Received Receiver::receive_logged(HostTime arrival, Sender sender,
                                             std::span<const std::byte> datagram,
                                             const sensor::Payload& payload, SampleConsumer& consumer) {
-  return decode(arrival, sender, protocol_of(datagram), datagram, payload, consumer);
+  return decode(arrival, sender, protocol_of(datagram), datagram, payload, Origin::log, consumer);
 }
 
 bool Receiver::brings_unwanted_sound(const sensor::Inbox& inbox) const {
@@ -406,7 +403,7 @@ bool Receiver::brings_unwanted_sound(const sensor::Inbox& inbox) const {
 
 Receiver::Received Receiver::decode(HostTime arrival, Sender sender, std::size_t protocol,
                                     std::span<const std::byte> datagram, const sensor::Payload& payload,
-                                    SampleConsumer& consumer) {
+                                    Origin origin, SampleConsumer& consumer) {
   const sensor::Peer peer = sender.peer;
   if (protocol >= protocols_.size() || payload.bytes.size() > sensor::kMaxPayload)
     return reject_malformed(peer);
@@ -421,6 +418,11 @@ Receiver::Received Receiver::decode(HostTime arrival, Sender sender, std::size_t
                     : language.receive_with_payload(arrival, peer, datagram, payload.bytes, inbox_);
   if (out.verdict != Verdict::taken) note_version(protocol, sender, datagram);
   if (out.verdict == Verdict::malformed) return reject_malformed(peer);
+  // What no device measures, no device sends.
+  if (origin == Origin::device && std::ranges::any_of(inbox_.readings, [](const sensor::Reading& reading) {
+        return reading.sample.kind == sensor::SampleKind::imu_head_relative;
+      }))
+    out.verdict = Verdict::refused;
   if (out.verdict == Verdict::refused) {
     ++refused_;
     return out;

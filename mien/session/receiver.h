@@ -31,14 +31,9 @@ namespace mien::session {
 class SampleConsumer {
  public:
   virtual ~SampleConsumer() = default;
-  /// A decoded sample of a bound and accepted device; `sample.sensor` is its number in the rig.
-  virtual void add(HostTime arrival, const sensor::Sample& sample) = 0;
-  /// The same of a sample with a payload, which is valid during the call. Consumers without a use for
-  /// payloads get the sample alone.
-  virtual void add_with_payload(HostTime arrival, const sensor::Sample& sample,
-                                [[maybe_unused]] std::span<const std::byte> payload) {
-    add(arrival, sample);
-  }
+  /// A decoded sample of a bound and accepted device; `sample.sensor` is its number in the rig. `payload`:
+  /// valid during the call; empty for none.
+  virtual void add(HostTime arrival, const sensor::Sample& sample, std::span<const std::byte> payload) = 0;
   /// From here on another device is bound to this sensor: whatever was estimated of the one before is void.
   /// `was_received`: samples of the one before had come.
   virtual void rebound(std::uint16_t sensor, const sensor::DeviceKey& device, bool was_received) = 0;
@@ -106,7 +101,8 @@ class Receiver {
   }
   /// One datagram of a device with a raw payload beside it (empty: none), which is reduced where the
   /// datagram's protocol has a reducer. A payload of more than sensor::kMaxPayload bytes, or one that its
-  /// reducer does not take, makes the datagram malformed.
+  /// reducer does not take, makes the datagram malformed. Skin rotations of the profile "lab" are refused: a
+  /// take's log alone may bring them.
   Received receive(HostTime arrival, Sender sender, std::span<const std::byte> datagram,
                    std::span<const std::byte> payload, SampleConsumer& consumer);
   /// One datagram of a log, its payload as the log has it: raw or reduced, by whatever reducer, it is handed
@@ -216,8 +212,9 @@ class Receiver {
            std::vector<std::pair<sensor::DeviceKey, std::uint16_t>> bound);
   /// The place of the protocol that the datagram is of; that after the last for none.
   [[nodiscard]] std::size_t protocol_of(std::span<const std::byte> datagram) const;
+  enum class Origin : std::uint8_t { device, log };
   Received decode(HostTime arrival, Sender sender, std::size_t protocol, std::span<const std::byte> datagram,
-                  const sensor::Payload& payload, SampleConsumer& consumer);
+                  const sensor::Payload& payload, Origin origin, SampleConsumer& consumer);
   Received reject_malformed(sensor::Peer peer);
   /// Sound that nobody asked for, or of a device that is none of the rig's microphones.
   [[nodiscard]] bool brings_unwanted_sound(const sensor::Inbox& inbox) const;

@@ -9,6 +9,7 @@
 
 #include "mien/core/units.h"
 #include "mien/sensor/rig_part.h"
+#include "mien/shaping/bounds.h"
 
 namespace mien::session {
 namespace {
@@ -41,9 +42,8 @@ Result<std::unique_ptr<Session>> Session::create(Parts parts) {
 
 Session::Session(Parts parts, std::unique_ptr<Receiver> receiver)
     : receiver_(std::move(receiver)),
-      tracker_(std::move(parts.tracker)),
-      shaper_(parts.shaping),
-      reshape_(std::move(parts.reshape)),
+      trackers_(receiver_->rig(), std::move(parts.trackers)),
+      shaper_(parts.shaping, trackers_.modalities()),
       prompt_watch_(receiver_->rig()),
       bound_at_(receiver_->rig().sensors.size()),
       certainties_(receiver_->rig().sensors.size()),
@@ -69,8 +69,8 @@ void Session::view_changed(std::uint16_t sensor, const sensor::PictureView& view
   if (was_received && guide_.running())
     leave_guide(failure_ = "a camera's view was changed meanwhile; calibrate again");
   bound_at_[sensor] = newest_frame_;
-  tracker_->change_view(sensor, view);
-  if (tracker_->calibration().empty()) in_force_ = 0;
+  trackers_.change_view(sensor, view);
+  if (trackers_.calibration().empty()) in_force_ = 0;
   add_event("view", newest_frame_, newest_frame_,
             nlohmann::json({{"sensor", rig().sensors[sensor].name},
                             {"crop", view.crop},
@@ -102,7 +102,7 @@ void Session::asked_to_recentre(HostTime arrival, std::string_view source) {
 
 void Session::leave_guide(std::string_view why) {
   guide_.cancel();
-  tracker_->cancel_guidance();
+  trackers_.cancel_guidance();
   renewed_.clear();
   // Without a frame there is no time at which it could have been.
   if (frames_ > 0) add_event("calibration_failed", newest_frame_, newest_frame_, quoted("why", why));
@@ -111,24 +111,23 @@ void Session::leave_guide(std::string_view why) {
 void Session::forget(std::uint16_t sensor) {
   receiver_->forget(sensor);
   if (rig().sensors[sensor].is_truth()) return;  // No tracker knows it.
-  tracker_->forget(sensor);
-  if (tracker_->calibration().empty()) in_force_ = 0;
+  trackers_.forget(sensor);
+  if (trackers_.calibration().empty()) in_force_ = 0;
 }
 
 const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   newest_frame_ = frame;
-  guide_.before(frame, *tracker_);
+  guide_.before(frame, trackers_);
   begin_rest(frame);
-  tracker::TickResult tracked = tracker_->tick(frame, receiver_->lines(), frame_);
-  sensors_present_ = tracked.sensors_present;
+  TrackerSet::Answer tracked = trackers_.tick(frame, receiver_->lines());
   follow_rest(frame, tracked.rested);
-  shaper_.apply(frame_, tracked.sensors_present, tracked.explained ? &*tracked.explained : nullptr);
   hearing_ = tracked.hearing.value_or(tracker::TickResult::Hearing{});
+  shape(frame);
   if (std::ranges::count(frame_.provenance, face::Provenance::audio) > 0) ++audio_frames_;
   const bool guided = guide_.running();
   if (guided) follow_guided(tracked.calibration);
   if (guide_.after(frame_)) {
-    failure_ = tracker_->calibration_state().hint;
+    failure_ = trackers_.calibration_state().hint;
     for (const Guide::Part& part : guide_.parts()) {
       if (part.target != nullptr)
         add_event("prompt", part.begin, part.end,
@@ -141,14 +140,14 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
     if (!failure_.empty()) add_event("calibration_failed", frame, frame, quoted("why", failure_));
     // Of several trackers one may have failed and another not.
     if (failure_.empty() || !renewed_.empty()) {
-      std::vector<sensor::Score> scores = tracker_->scores();
+      std::vector<sensor::Score> scores = trackers_.scores();
       for (const sensor::Score& score : guide_.anchor_scores()) scores.push_back(score);
       add_version(frame, "guided", std::move(scores));
     }
     renewed_.clear();
-  } else if (guide_.steps_over(frame) && renewed_.empty() && !tracker_->calibration_state().hint.empty()) {
+  } else if (guide_.steps_over(frame) && renewed_.empty() && !trackers_.calibration_state().hint.empty()) {
     // Its steps made no calibration: nobody is to make faces for nothing.
-    leave_guide(failure_ = tracker_->calibration_state().hint);
+    leave_guide(failure_ = trackers_.calibration_state().hint);
   }
   follow_recentring(frame);
   if (!guided) follow_calibration(frame, tracked.calibration);
@@ -158,6 +157,15 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   ++frames_;
   hash_.add(frame_);
   return frame_;
+}
+
+void Session::shape(DeviceTime frame) {
+  if (trackers_.empty()) {
+    frame_ = shaping::neutral_frame(frame);
+    return;
+  }
+  sensors_present_ = shaper_.apply(trackers_.sources(), frame_);
+  trackers_.follow_lag(hearing_.behind, shaper_.settings().merge.sure);
 }
 
 void Session::follow_prompts(DeviceTime frame) {
@@ -186,7 +194,7 @@ void Session::follow_prompts(DeviceTime frame) {
 void Session::begin_rest(DeviceTime frame) {
   if (rest_ <= Duration::zero() || rest_end_) return;
   rest_end_ = frame + rest_;
-  tracker_->rest(frame, *rest_end_);
+  trackers_.rest(frame, *rest_end_);
 }
 
 void Session::follow_rest(DeviceTime frame, const std::optional<tracker::RestOutcome>& rested) {
@@ -222,14 +230,14 @@ void Session::follow_recentring(DeviceTime frame) {
 }
 
 void Session::watch_drift(DeviceTime frame) {
-  for (std::uint16_t i = 0; i < certainties_.size(); ++i) certainties_[i] = tracker_->certainty(i);
+  for (std::uint16_t i = 0; i < certainties_.size(); ++i) certainties_[i] = trackers_.certainty(i);
   if (const auto advice = drift_watch_.add(frame, certainties_)) {
     std::vector<std::string> left_out;
     for (const std::uint16_t sensor : advice->left_out) left_out.push_back(rig().sensors[sensor].name);
     add_event("recentre_advised", frame, frame,
               nlohmann::json({{"sigma_deg", kDegPerRad * advice->sigma_rad}, {"left_out", left_out}}).dump());
   }
-  if (const std::uint64_t faults = tracker_->faults(); faults != faults_) {
+  if (const std::uint64_t faults = trackers_.faults(); faults != faults_) {
     faults_ = faults;
     add_event("drift_fault", frame, frame, nlohmann::json({{"count", faults}}).dump());
   }
@@ -247,7 +255,7 @@ void Session::follow_calibration(DeviceTime frame, std::span<tracker::Calibratio
   std::vector<tracker::PerformedStep> found;
   for (const tracker::CalibrationEvent& event : events)
     found.insert(found.end(), event.found.begin(), event.found.end());
-  std::vector<sensor::Score> scores = tracker_->scores();
+  std::vector<sensor::Score> scores = trackers_.scores();
   // The shake judges what is in force; all else is a version of its own, and so is what another modality's
   // tracker found.
   const bool judged = !found.empty() &&
@@ -267,7 +275,7 @@ void Session::add_version(DeviceTime frame, std::string_view origin, std::vector
   version.id = static_cast<std::int64_t>(versions_.size());
   version.made = frame;
   version.origin = origin;
-  version.json = tracker_->calibration();
+  version.json = trackers_.calibration();
   version.centre = shaping::write_centre(shaper_.recentring().centre());
   version.resting = shaping::write_resting_face(shaper_.resting().learnt());
   version.scores = std::move(scores);

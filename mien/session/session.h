@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -22,13 +21,14 @@
 #include "mien/session/prompter.h"
 #include "mien/session/receiver.h"
 #include "mien/session/report.h"
+#include "mien/session/tracker_set.h"
 #include "mien/shaping/shaper.h"
 #include "mien/take/take.h"
 #include "mien/tracker/tracker.h"
 
 namespace mien::session {
 
-/// The session: devices, clocks, calibration, tracker, shaping. What goes in are the session log's entries
+/// The session: devices, clocks, calibration, trackers, shaping. What goes in are the session log's entries
 /// and ticks, in order; what comes out are output frames; nothing else has a say, neither the clock on the
 /// wall nor a thread. So a replay of the log gives the same bits. Thread: one at a time. No allocation in
 /// receive(), due() and tick() once every device has been received, but where a calibration is made or a
@@ -37,12 +37,11 @@ class Session final : private SampleConsumer {
  public:
   struct Parts {
     sensor::Rig rig;
-    std::unique_ptr<tracker::Tracker> tracker;
+    /// One a modality. None: a session that receives, binds and fires ticks; its frames are neutral.
+    std::vector<std::unique_ptr<tracker::Tracker>> trackers;
     std::vector<std::unique_ptr<sensor::Protocol>> protocols;
     std::vector<ProtocolReducer> reducers;  ///< Of their payloads; most protocols have none.
     shaping::ShaperSettings shaping;
-    /// Told of every change of these settings: for a tracker that has a use for some. May be empty.
-    std::function<void(const shaping::ShaperSettings&)> reshape;
   };
   /// Errors: Receiver::create's.
   [[nodiscard]] static Result<std::unique_ptr<Session>> create(Parts parts);
@@ -100,14 +99,16 @@ class Session final : private SampleConsumer {
   /// Of every frame so far, as face::FrameHash has it. The last call before the session ends.
   [[nodiscard]] std::string hash() { return hash_.hex(); }
   [[nodiscard]] const sensor::Rig& rig() const { return receiver_->rig(); }
-  [[nodiscard]] std::string_view modality() const { return tracker_->modality(); }
+  [[nodiscard]] std::string_view modality() const { return trackers_.modality(); }
+  /// Every sensor's clock model, and the time line of the output grid.
+  [[nodiscard]] const sensor::TimeLines& lines() const { return receiver_->lines(); }
+  /// The features from which the last frame was estimated (tracker::Tracker::features()); null for none.
+  [[nodiscard]] const model::FeatureFrame* features() const { return trackers_.features(); }
 
  private:
   Session(Parts parts, std::unique_ptr<Receiver> receiver);
-  void add(HostTime arrival, const sensor::Sample& sample) override { tracker_->add(arrival, sample); }
-  void add_with_payload(HostTime arrival, const sensor::Sample& sample,
-                        std::span<const std::byte> payload) override {
-    tracker_->add_with_payload(arrival, sample, payload);
+  void add(HostTime arrival, const sensor::Sample& sample, std::span<const std::byte> payload) override {
+    trackers_.add(arrival, sample, payload);
   }
   void rebound(std::uint16_t sensor, const sensor::DeviceKey& device, bool was_received) override;
   void view_changed(std::uint16_t sensor, const sensor::PictureView& view, bool was_received) override;
@@ -120,6 +121,8 @@ class Session final : private SampleConsumer {
   /// Ends a guided calibration before its time, and tells why; what was in force stays.
   void leave_guide(std::string_view why);
   [[nodiscard]] Result<void> check_versions() const;
+  /// The trackers' estimates become the frame.
+  void shape(DeviceTime frame);
   void watch_links(DeviceTime frame, HostTime fired);
   /// Of what trackers found of their own accord.
   void follow_calibration(DeviceTime frame, std::span<tracker::CalibrationEvent> events);
@@ -161,9 +164,8 @@ class Session final : private SampleConsumer {
   void report_certainty(Report::Calibration& out) const;
 
   std::unique_ptr<Receiver> receiver_;
-  std::unique_ptr<tracker::Tracker> tracker_;
+  TrackerSet trackers_;
   shaping::Shaper shaper_;
-  std::function<void(const shaping::ShaperSettings&)> reshape_;
   Guide guide_;
   Prompter prompter_;
   PromptWatch prompt_watch_;

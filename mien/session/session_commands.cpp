@@ -23,17 +23,20 @@ Result<void> Session::command(HostTime, std::string_view json) {
 
 Result<void> Session::execute(const Calibrate& command) {
   MIEN_TRY(check_versions());
-  if (command.kind == Calibrate::Kind::wearer && !tracker_->guidance().learns_wearer)
+  if (command.kind == Calibrate::Kind::wearer && !trackers_.guidance().learns_wearer)
     return fail(
         ErrorCode::unsupported, "nothing here learns a wearer", kSession,
         "it takes sensors on the skin and a model such as models/live.safetensors; or calibrate full");
-  if (command.kind == Calibrate::Kind::gaze && !tracker_->guidance().learns_gaze)
+  if (command.kind == Calibrate::Kind::gaze && !trackers_.guidance().learns_gaze)
     return fail(ErrorCode::unsupported, "nothing here learns where its wearer looks", kSession,
                 "it takes a headset with a camera that sees an eye, such as rigs/headset.toml has");
+  if (!command.steps.empty() && frames_ > 0 && command.steps.front().begin <= newest_frame_)
+    return fail(ErrorCode::out_of_range, "a step of this calibration has begun already", kSession,
+                "give steps that are to come");
   MIEN_TRY(execute(CancelCalibration{}));
   drop_recentring();
   failure_ = {};
-  guide_.begin(command.kind);
+  guide_.begin(command);
   return {};
 }
 
@@ -50,7 +53,7 @@ Result<void> Session::use_version(std::int64_t id) {
   MIEN_TRY_ASSIGN(const shaping::Centre centre, shaping::parse_centre(found->centre, kSession));
   MIEN_TRY_ASSIGN(const shaping::RestingFace resting, shaping::parse_resting_face(found->resting, kSession));
   MIEN_TRY(execute(CancelCalibration{}));
-  if (!found->json.empty()) MIEN_TRY(tracker_->restore(found->json));
+  if (!found->json.empty()) MIEN_TRY(trackers_.restore(found->json));
   drop_recentring();
   shaper_.use_centre(centre);
   shaper_.use_resting(resting);
@@ -77,9 +80,9 @@ Result<void> Session::check_versions() const {
 Result<void> Session::execute(const RestoreCalibration& command) {
   MIEN_TRY(check_versions());
   MIEN_TRY(execute(CancelCalibration{}));
-  MIEN_TRY(tracker_->restore(command.json));
+  MIEN_TRY(trackers_.restore(command.json));
   drop_recentring();
-  add_version(newest_frame_, "restored", tracker_->scores());
+  add_version(newest_frame_, "restored", trackers_.scores());
   return {};
 }
 
@@ -93,9 +96,9 @@ Result<void> Session::execute(const Recentre&) {
 }
 
 void Session::recentre() {
-  if (rest_end_) tracker_->rest(*rest_end_, *rest_end_);
+  if (rest_end_) trackers_.rest(*rest_end_, *rest_end_);
   recentring_ = true;
-  rest_ = tracker_->wants_rest();
+  rest_ = trackers_.wants_rest();
   rest_end_.reset();
   if (rest_ == Duration::zero()) shaper_.recentre();
 }
@@ -103,7 +106,7 @@ void Session::recentre() {
 void Session::drop_recentring() {
   if (!recentring_) return;
   recentring_ = false;
-  if (rest_end_) tracker_->rest(*rest_end_, *rest_end_);
+  if (rest_end_) trackers_.rest(*rest_end_, *rest_end_);
   shaper_.use_centre(shaper_.recentring().centre());
   rest_ = Duration::zero();
   rest_end_.reset();
@@ -157,7 +160,6 @@ Result<void> Session::execute(const Shape& command) {
                   shaping::parse_settings(command.json, kSession, shaper_.settings()));
   shaper_.set(settings);
   receiver_->listen_to_sound(settings.merge.audio && !takes_no_sound_);
-  if (reshape_) reshape_(settings);
   return {};
 }
 
@@ -171,8 +173,8 @@ Result<void> Session::execute(const AddPrompt& command) {
 Result<void> Session::execute(const Correct& command) {
   MIEN_TRY(check_versions());
   MIEN_TRY(execute(CancelCalibration{}));
-  MIEN_TRY(tracker_->correct(command.correction));
-  add_version(newest_frame_, "phone", tracker_->scores());
+  MIEN_TRY(trackers_.correct(command.correction));
+  add_version(newest_frame_, "phone", trackers_.scores());
   return {};
 }
 

@@ -47,7 +47,7 @@ void Session::report(HostTime now, Report& out) const {
   out.frames = frames_;
   receiver_->report(now, out);
   for (std::uint16_t i = 0; i < out.links.size(); ++i) {
-    out.links[i].heading_sigma_rad = tracker_->heading_sigma_rad(i);
+    out.links[i].heading_sigma_rad = trackers_.heading_sigma_rad(i);
     out.links[i].certainty = certainties_[i];
   }
   out.shaping = shaping::write_settings(shaper_.settings());
@@ -62,7 +62,7 @@ void Session::report(HostTime now, Report& out) const {
 
   report_prompts(out.prompts);
   Report::Calibration& calibration = out.calibration;
-  const tracker::CalibrationState state = tracker_->calibration_state();
+  const tracker::CalibrationState state = trackers_.calibration_state();
   calibration.in_force = in_force_;
   report_certainty(calibration);
   calibration.target.reset();

@@ -22,7 +22,7 @@ struct ShaperSettings {
   bool constraints = false;      ///< True: all live `rules` are obeyed. False: those that always hold.
   face::RigConstraints rules = face::natural_constraints();  ///< Between shapes; RigConstraints(): none.
   FallbackSettings fallback;  ///< Times at the loss of sensors (fallback_settings.h).
-  MergeSettings merge;        ///< Selection among several trackers (CombinedTracker); not used by Shaper.
+  MergeSettings merge;        ///< Selection among several trackers.
   ChainSteps off;             ///< Steps that are left out, whatever else is set: to tell what each is worth.
 
   [[nodiscard]] bool runs(ChainStep step) const { return !off.test(static_cast<std::size_t>(step)); }

@@ -1,5 +1,7 @@
 #include "mien/shaping/shaper.h"
 
+#include <utility>
+
 #include "mien/shaping/bounds.h"
 #include "mien/shaping/eyes.h"
 
@@ -24,14 +26,15 @@ std::size_t take_out_audio(face::OutputFrame& frame, std::size_t sensors_present
 
 }  // namespace
 
-Shaper::Shaper(const ShaperSettings& settings) : last_(neutral_frame({})) {
+Shaper::Shaper(const ShaperSettings& settings, std::vector<std::string> modalities)
+    : last_(neutral_frame({})), merge_(std::move(modalities)) {
   set(settings);
 }
 
 void Shaper::set(const ShaperSettings& settings) {
   settings_ = settings;
   limited_ = settings.limits != Limits{} && settings.runs(ChainStep::gains);
-  lone_.set(settings.merge, settings.fallback, settings.runs(ChainStep::merge));
+  merge_.set(settings.merge, settings.fallback, settings.runs(ChainStep::merge));
   fallback_.set(settings.fallback);
   if (!settings.runs(ChainStep::fallback)) {
     fallback_.reset();
@@ -46,7 +49,7 @@ void Shaper::set(const ShaperSettings& settings) {
 void Shaper::reset() {
   begun_ = false;
   last_ = neutral_frame({});
-  lone_.reset();
+  merge_.reset();
   fallback_.reset();
   resting_.reset();
   recentre_.settle();
@@ -55,20 +58,32 @@ void Shaper::reset() {
   smoothing_.reset();
 }
 
+std::size_t Shaper::merge(std::span<const Merge::Source> sources, face::OutputFrame& frame) {
+  const Merge::Source& first = sources.front();
+  // What a lone tracker's sensors explain was not measured: there is nothing to select by.
+  if (sources.size() > 1 ||
+      (first.explained != nullptr && settings_.runs(ChainStep::mend) && settings_.runs(ChainStep::merge)))
+    return merge_.apply(sources, frame);
+  frame = *first.frame;
+  return first.sensors_present;
+}
+
 void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present,
                    const tracker::Explained* explained) {
-  if (begun_ && frame.time <= last_.time) reset();
+  face::OutputFrame estimate = frame;
+  const Merge::Source source{.frame = &estimate, .sensors_present = sensors_present, .explained = explained};
+  apply({&source, 1}, frame);
+}
+
+std::size_t Shaper::apply(std::span<const Merge::Source> sources, face::OutputFrame& frame) {
+  if (begun_ && sources.front().frame->time <= last_.time) reset();
+  const std::size_t merged = merge(sources, frame);
+  std::size_t sensors_present = merged;
   if (!settings_.merge.audio) sensors_present = take_out_audio(frame, sensors_present);
   const double return_s = settings_.fallback.within_range().return_s;
   const bool bounded = settings_.runs(ChainStep::bounds), gazing = settings_.runs(ChainStep::gaze);
   if (settings_.runs(ChainStep::mend)) mend(frame, last_);
   last_ = frame;
-  if (explained != nullptr && settings_.runs(ChainStep::mend) && settings_.runs(ChainStep::merge)) {
-    const Merge::Source source{.frame = &frame, .sensors_present = sensors_present, .explained = explained};
-    face::OutputFrame out;
-    sensors_present = lone_.apply({&source, 1}, out);
-    frame = out;
-  }
   if (settings_.runs(ChainStep::fallback)) fallback_.apply(frame, sensors_present);
   recentre_.observe(frame);
   resting_.apply(frame);
@@ -85,6 +100,7 @@ void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present,
   if (gazing) eyes_from_weights(frame);
   shown_ = frame;
   begun_ = true;
+  return merged;
 }
 
 }  // namespace mien::shaping

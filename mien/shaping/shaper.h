@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "mien/face/output_frame.h"
 #include "mien/shaping/fallback.h"
@@ -14,26 +17,30 @@
 
 namespace mien::shaping {
 
-/// Post-processing of a tracker's frames before the sinks, in a fixed order: mend (invalid values), fallback,
-/// resting face (off unless asked for), re-centring, the head's position, gains and limits, smoothing,
-/// constraints (off unless asked for), bounds (no step above kStepAtMost), gaze (lids from eye directions:
-/// the eyes' own step), again bounds ([0, 1]) and the constraints that always hold (mouthClose <= jawOpen),
-/// eye directions from lids. Output is finite and within bounds for any input, unless settings.off names mend
-/// or bounds. With default settings and no change of sensors a valid frame keeps the bits of its weights
-/// (unless mouthClose is above jawOpen; without rules even then) and of its head; with every step off it
-/// keeps all of them.
+/// Post-processing of trackers' frames before the sinks, in a fixed order: merge (of the trackers' estimates,
+/// a lone one's too: Merge), mend (invalid values), fallback, resting face (off unless asked for),
+/// re-centring, the head's position, gains and limits, smoothing, constraints (off unless asked for), bounds
+/// (no step above kStepAtMost), gaze (lids from eye directions: the eyes' own step), again bounds ([0, 1])
+/// and the constraints that always hold (mouthClose <= jawOpen), eye directions from lids. Output is finite
+/// and within bounds for any input, unless settings.off names mend or bounds. With default settings and no
+/// change of sensors a valid frame keeps the bits of its weights (unless mouthClose is above jawOpen; without
+/// rules even then) and of its head; with every step off it keeps all of them.
 ///
 /// A pure function of the calls, on frame time; a frame not later than the last (a replay wound back) resets
 /// the state but for settings, centre and resting face. No allocation. Thread: one at a time. Method and
 /// cost: docs/method/shaping.md.
 class Shaper {
  public:
-  explicit Shaper(const ShaperSettings& settings = {});
+  /// `modalities`: names of the trackers whose estimates every apply() gets, in their order.
+  explicit Shaper(const ShaperSettings& settings = {}, std::vector<std::string> modalities = {"lone"});
 
-  /// Shapes the frame in place. `sensors_present`: how many of the rig's sensors are present, received in the
-  /// last 100 ms or unchanged (docs/reference/links.md); 0 starts the fallback, a change is eased out. Where
-  /// only "any" is known, 0 or 1. `explained`: of a lone tracker, what its sensors explain; mouth and jaw are
-  /// held and fade where they explain too little (Merge). Null: unknown, or several were merged before.
+  /// Merges the trackers' estimates of a frame, and shapes it. `sources`: one a modality, of one time;
+  /// invalid values are mended in place. A source's `sensors_present`: how many of its sensors are present,
+  /// received in the last 100 ms or unchanged (docs/reference/links.md); 0 of all starts the fallback, a
+  /// change is eased out. Where only "any" is known, 0 or 1. Returns how many stand behind the frame
+  /// (Merge::apply()).
+  std::size_t apply(std::span<const Merge::Source> sources, face::OutputFrame& frame);
+  /// The same of a lone tracker's frame, in place. `explained`: what its sensors explain; null: not measured.
   void apply(face::OutputFrame& frame, std::size_t sensors_present,
              const tracker::Explained* explained = nullptr);
 
@@ -57,12 +64,15 @@ class Shaper {
   void reset();
 
  private:
+  /// Merges into `frame`; returns how many sensors count.
+  std::size_t merge(std::span<const Merge::Source> sources, face::OutputFrame& frame);
+
   ShaperSettings settings_;
   bool limited_ = false;  // Some gain or limit differs from the default.
   bool begun_ = false;
   face::OutputFrame last_;   // The last input, mended.
   face::OutputFrame shown_;  // The last output.
-  Merge lone_{{"lone"}};
+  Merge merge_;
   Fallback fallback_;
   Resting resting_;
   Recentre recentre_;

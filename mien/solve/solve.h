@@ -9,12 +9,10 @@
 #include "mien/core/progress.h"
 #include "mien/face/output_frame.h"
 #include "mien/measure/evaluation.h"
+#include "mien/modalities/modalities.h"
 #include "mien/shaping/settings.h"
-#include "mien/solve/trace_features.h"
 #include "mien/take/take.h"
-#include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/personalise.h"
-#include "mien/tracker/tracker.h"
 #include "mien/tracker/window_solver.h"
 
 namespace mien::solve {
@@ -35,7 +33,6 @@ struct Solution {
   std::optional<tracker::Personalisation> personalised;
   double personalise_s = 0;
   std::string unlearnt;  ///< Why the wearer was not learnt, and what to do, where that was asked for.
-  bool shaped = false;   ///< A replay: shaping is in its frames.
   std::string hash;      ///< SHA-256 over each tick's device time, the 53 weights, head, eyes and provenance.
 };
 
@@ -46,42 +43,20 @@ struct Solution {
 /// the published sampler where they are all of the schedule's levels. 0: as its file says.
 [[nodiscard]] model::SamplerSettings sampler_of(const model::ModelFile& file, std::size_t steps);
 
-/// Whether the take was recorded live: then its answer by a live model is the session's replay (replay_take).
-[[nodiscard]] bool recorded_live(const take::Take& take);
-
-/// Solves a whole take with the window network.
+/// Solves a whole take with the window network, which sees what comes later: another way than a session's.
+/// Frames are not shaped. Errors: the take's; not_found (no ticks); cancelled.
 [[nodiscard]] Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver& solver,
                                           const model::SamplerSettings& settings, const Progress& progress);
 
-/// Solves a performed take frame by frame, calibrated by its events; the tracker is reset first and last.
-[[nodiscard]] Result<Solution> solve_take(const take::Take& take, tracker::CausalTracker& tracker,
-                                          const Progress& progress);
-/// The same with the features that take_features() gave.
-[[nodiscard]] Result<Solution> solve_take(const take::Take& take,
-                                          std::span<const model::FeatureFrame> features,
-                                          tracker::CausalTracker& tracker, const Progress& progress);
-
-/// Guides the tracker through the calibration that these events are of ("neutral", "nod", "shake", "range",
-/// "gaze"); to be called before the first tick.
-void guide_by_events(std::span<const take::Event> events, tracker::Tracker& tracker);
-
-/// Solves a performed take with the tracker of its sensors: with the calibrations that the take holds, each
-/// from when it was made; where it holds none, with those that the tracker makes of the take's events
-/// ("neutral", "nod", "shake", "range", "gaze") or finds by itself. The tracker is a fresh one; no ridge.
-/// Errors: the take's; not_found (no ticks); what the tracker says of a calibration; cancelled.
-[[nodiscard]] Result<Solution> solve_take(const take::Take& take, tracker::Tracker& tracker,
-                                          const Progress& progress);
-
-/// Replays a live take with this live model (a file, or a folder of them where the rig has several kinds of
-/// sensors): the frames that the session gave, to the bit, where it ran with the same model, kernels and
-/// settings of shaping (those that it began with; what it changed later is in its log); no ridge. Errors: the
-/// take's; not_found (no ticks); modalities::make_session's; cancelled.
-[[nodiscard]] Result<Solution> replay_take(const take::Take& take, const std::filesystem::path& model,
+/// Solves a take, recorded or performed, with this live model by replaying its session: of a recorded one the
+/// frames that it gave, to the bit, where it ran with the same model, kernels and settings of shaping (those
+/// that it began with; what it changed later is in its log). Ridge where `model` has the IMUs' file. Errors:
+/// the take's; not_found (no ticks); modalities::make_session's; cancelled.
+[[nodiscard]] Result<Solution> replay_take(const take::Take& take, const modalities::LiveModel& model,
                                            const Progress& progress,
                                            const shaping::ShaperSettings& settings = {});
 
-/// Sends a tracker's frames through the shaping that a live session has (shaping::Shaper); not for a replay,
-/// which is shaped.
+/// Sends a window network's frames through the shaping that a session has (shaping::Shaper).
 void shape(const shaping::ShaperSettings& settings, Solution& solution);
 
 /// A take's own truth, to be read before it is solved, which takes long. Errors: the take's; not_found (it

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/imu/imu_tracker.h"
 #include "mien/imu/pipeline.h"
 #include "mien/model/features.h"
 #include "mien/sensor/rig.h"
@@ -12,13 +13,13 @@
 
 namespace mien::solve {
 
-/// The features of a session, one frame a tick: its log received again (session::Receiver) and put through
-/// the IMU pipeline, with the prologue's events as its marks. `calibration`, when asked for, is the one in
-/// force at the end. Errors: session::Receiver::create's.
+/// The features of a session, one frame a tick: its log replayed (session::replay()) by the IMUs' tracker
+/// without a network. `events`: of the performance, which begins with the calibration that they are of.
+/// Errors: the receiver's.
 [[nodiscard]] Result<std::vector<model::FeatureFrame>> trace_features(
     const sensor::Rig& rig, std::span<const take::Event> events, std::span<const take::LogEntry> entries,
-    std::span<const take::Tick> ticks, const imu::PipelineSettings& settings = {},
-    imu::Calibration* calibration = nullptr);
+    std::span<const take::Tick> ticks,
+    const imu::PipelineSettings& settings = imu::ImuTracker::live_settings());
 
 /// The same of a take, whose log is read one entry at a time. Errors also: the take's; not_found (no frames).
 [[nodiscard]] Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take);

@@ -25,8 +25,10 @@ struct Header {
   std::string software;   ///< "mien 0.1.0".
   std::string performer;  ///< Name or "virtual:SEED".
   std::string script;     ///< What was performed: a file's name, or a script's text.
-  std::string devices;    ///< "device", "lab", or the name of a profile file.
-  std::string face;       ///< "builtin", a folder or a file: what --face was. Identity parameters below.
+  /// For people: "live" (recorded), "device", "lab" or the name of a file of faults (performed), "none"
+  /// (imported). The program reads one of it: a take of "lab" has a ridge baseline of its own.
+  std::string devices;
+  std::string face;  ///< "builtin", a folder or a file: what --face was. Identity parameters below.
   std::string face_parameters;  ///< JSON; empty when none.
   std::string prologue;         ///< "short", "full", "guided" or "none".
   std::uint64_t seed = 0;

@@ -56,19 +56,30 @@ std::size_t ModelInput::present_count() const {
       std::count(present_.begin(), present_.begin() + static_cast<std::ptrdiff_t>(places_.size()), 1));
 }
 
+std::optional<RidgeSolver> RidgeSolver::create(const model::ModelFile& file,
+                                               const std::vector<std::string>& rig_sensors,
+                                               std::string_view profile) {
+  const model::RidgeBaseline* baseline = file.ridge_for(profile);
+  if (baseline == nullptr) return std::nullopt;
+  return RidgeSolver(file, rig_sensors, *baseline);
+}
+
+face::BlendshapeWeights RidgeSolver::solve(const model::FeatureFrame& features) {
+  face::BlendshapeWeights out;
+  input_.encode(features, condition_);
+  baseline_.predict(condition_, out.values);
+  return out;
+}
+
 std::vector<face::BlendshapeWeights> solve_ridge(const model::ModelFile& file,
                                                  std::span<const model::FeatureFrame> features,
                                                  const std::vector<std::string>& rig_sensors,
                                                  std::string_view profile) {
-  const model::RidgeBaseline* baseline = file.ridge_for(profile);
-  if (baseline == nullptr) return {};
-  ModelInput input(file, rig_sensors);
-  std::vector<float> condition(file.features.width());
-  std::vector<face::BlendshapeWeights> out(features.size());
-  for (std::size_t f = 0; f < features.size(); ++f) {
-    input.encode(features[f], condition);
-    baseline->predict(condition, out[f].values);
-  }
+  std::vector<face::BlendshapeWeights> out;
+  auto solver = RidgeSolver::create(file, rig_sensors, profile);
+  if (!solver) return out;
+  out.reserve(features.size());
+  for (const model::FeatureFrame& frame : features) out.push_back(solver->solve(frame));
   return out;
 }
 

@@ -46,8 +46,26 @@ class ModelInput {
   std::vector<std::uint8_t> present_;
 };
 
-/// The ridge baseline of a profile ("lab", "device") on a track of features, one result a frame; empty when
-/// the file has none for it.
+/// The ridge baseline of a model file: linear on one frame's features.
+class RidgeSolver {
+ public:
+  /// `profile`: "lab" or "device". None where the file has no baseline for it.
+  [[nodiscard]] static std::optional<RidgeSolver> create(const model::ModelFile& file,
+                                                         const std::vector<std::string>& rig_sensors,
+                                                         std::string_view profile);
+  [[nodiscard]] face::BlendshapeWeights solve(const model::FeatureFrame& features);
+
+ private:
+  RidgeSolver(const model::ModelFile& file, const std::vector<std::string>& rig_sensors,
+              const model::RidgeBaseline& baseline)
+      : input_(file, rig_sensors), baseline_(baseline), condition_(file.features.width()) {}
+
+  ModelInput input_;
+  model::RidgeBaseline baseline_;
+  std::vector<float> condition_;
+};
+
+/// The same on a track of features, one result a frame; empty where the file has no baseline.
 [[nodiscard]] std::vector<face::BlendshapeWeights> solve_ridge(const model::ModelFile& file,
                                                                std::span<const model::FeatureFrame> features,
                                                                const std::vector<std::string>& rig_sensors,

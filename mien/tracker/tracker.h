@@ -14,6 +14,7 @@
 #include "mien/face/gaze_targets.h"
 #include "mien/face/output_frame.h"
 #include "mien/model/correction.h"
+#include "mien/model/features.h"
 #include "mien/sensor/calibration.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/sensor/picture_view.h"
@@ -143,6 +144,10 @@ class Tracker {
   /// The answer at a frame of the grid: every field of `out`. Neutral, with that provenance, until there is a
   /// calibration. `lines`: every sensor's clock, and the time line on which `frame` stands.
   virtual TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) = 0;
+
+  /// The features from which the last tick's frame was estimated, as a model of features reads them; null of
+  /// a modality without them. Valid until the next tick.
+  [[nodiscard]] virtual const model::FeatureFrame* features() const { return nullptr; }
 
   // Of a modality with something to calibrate; the others leave all of this as it is.
 

@@ -12,6 +12,7 @@
 #include <span>
 #include <thread>
 
+#include "mien/session/performed_prologue.h"
 #include "mien/take/take.h"
 #include "mien/virtual/session.h"
 
@@ -54,7 +55,9 @@ class SessionWriter {
     const VirtualSession& session = stretch.session;
     motion_start_ = session.motion_start;
     for (const take::Event& event : session.events) writer_.add_event(event);
-    next_tick_ = next_calibration_ = 0;
+    if (!session.entries.empty())
+      commands_ += session::begin_log(session.events, session.entries.front().arrival, writer_);
+    next_tick_ = 0;
     std::size_t next_sample = 0;
     for (std::size_t e = 0; e < session.entries.size(); ++e) {
       const take::LogEntry& entry = session.entries[e];
@@ -82,14 +85,11 @@ class SessionWriter {
   void write_ticks(const Stretch& stretch, std::int64_t known) {
     const std::vector<take::Tick>& ticks = stretch.session.ticks;
     for (; next_tick_ < ticks.size() && ticks[next_tick_].after_entry <= known; ++next_tick_) {
-      const take::Tick& tick = ticks[next_tick_];
+      take::Tick tick = ticks[next_tick_];
+      tick.after_entry += commands_;
       writer_.add_tick(tick);
       writer_.add_truth(stretch.session.truth[next_tick_]);
       write_sound(tick.frame, false);
-      const std::vector<take::CalibrationVersion>& made = stretch.calibrations;
-      for (; next_calibration_ < made.size() && made[next_calibration_].made <= tick.frame;
-           ++next_calibration_)
-        writer_.add_calibration(made[next_calibration_]);
     }
   }
   /// Sound goes in as it is heard, in pieces of half a second and what is left at the end.
@@ -110,7 +110,8 @@ class SessionWriter {
   take::TakeWriter& writer_;
   std::chrono::steady_clock::time_point start_;
   DeviceTime motion_start_;
-  std::size_t next_tick_ = 0, next_calibration_ = 0;  // Of the stretch.
+  std::size_t next_tick_ = 0;  // Of the stretch.
+  std::int64_t commands_ = 0;  // Entries before the devices'.
   std::size_t sound_written_ = 0;
 };
 

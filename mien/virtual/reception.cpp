@@ -13,16 +13,15 @@
 namespace mien::virt {
 
 Result<Reception> Reception::create(const sensor::Rig& rig) {
-  MIEN_TRY_ASSIGN(auto protocols, modalities::make_protocols());
-  MIEN_TRY_ASSIGN(auto receiver, session::Receiver::create(rig, std::move(protocols)));
-  return Reception(std::move(receiver));
+  MIEN_TRY_ASSIGN(auto receiving, modalities::make_receiving_session(rig));
+  return Reception(std::move(receiving));
 }
 
 void Reception::log(Datagram datagram, VirtualSession& session) {
   const std::int64_t id = ++entries_;
   constexpr sensor::Peer kOneMachine = 0;  // All stand in the log with one source.
   for (const sensor::Sample& sample :
-       receiver_->receive(datagram.time, kOneMachine, datagram.bytes, datagram.payload, *this).samples)
+       session_->receive_logged(datagram.time, kOneMachine, datagram.bytes, {datagram.payload, {}}).samples)
     session.samples.push_back({id, datagram.time, sample});
   session.entries.push_back({id, datagram.time, "virtual", std::move(datagram.bytes)});
   if (!datagram.payload.empty()) session.payloads.emplace(id, std::move(datagram.payload));
@@ -31,10 +30,10 @@ void Reception::log(Datagram datagram, VirtualSession& session) {
 void Reception::log_all(std::vector<Datagram> arrived, VirtualSession& session,
                         const std::function<void(const take::Tick&, const sensor::TimeLines&)>& on_tick) {
   const auto fire = [&](HostTime now) {
-    while (const auto due = receiver_->due(now)) {
+    while (const auto due = session_->due(now)) {
       const take::Tick tick{due->index, entries_, due->fired, due->frame};
       session.ticks.push_back(tick);
-      on_tick(tick, receiver_->lines());
+      on_tick(tick, session_->lines());
     }
   };
   for (Datagram& datagram : arrived) {

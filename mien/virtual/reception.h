@@ -9,19 +9,19 @@
 #include "mien/performer/prologue.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/sensor/rig.h"
-#include "mien/session/receiver.h"
+#include "mien/session/session.h"
 #include "mien/virtual/network.h"
 #include "mien/virtual/session.h"
 #include "mien/virtual/worn_devices.h"
 
 namespace mien::virt {
 
-/// Where virtual devices' datagrams arrive: received as a live session receives them (session::Receiver), and
-/// written down as its log would be. What does not parse is logged and nothing more. Entries are numbered on
-/// from call to call, so a session may be taken stretch by stretch.
-class Reception final : private session::SampleConsumer {
+/// Where virtual devices' datagrams arrive: received by a session without trackers, and written down as its
+/// log would be. What does not parse is logged and nothing more. Entries are numbered on from call to call,
+/// so a session may be taken stretch by stretch.
+class Reception {
  public:
-  /// Errors: session::Receiver::create's, modalities::make_protocols'.
+  /// Errors: modalities::make_receiving_session's.
   [[nodiscard]] static Result<Reception> create(const sensor::Rig& rig);
 
   /// One datagram: its entry, and its samples.
@@ -32,11 +32,9 @@ class Reception final : private session::SampleConsumer {
                const std::function<void(const take::Tick&, const sensor::TimeLines&)>& on_tick);
 
  private:
-  explicit Reception(std::unique_ptr<session::Receiver> receiver) : receiver_(std::move(receiver)) {}
-  void add(HostTime, const sensor::Sample&) override {}
-  void rebound(std::uint16_t, const sensor::DeviceKey&, bool) override {}
+  explicit Reception(std::unique_ptr<session::Session> session) : session_(std::move(session)) {}
 
-  std::unique_ptr<session::Receiver> receiver_;
+  std::unique_ptr<session::Session> session_;
   std::int64_t entries_ = 0;
 };
 

@@ -71,7 +71,6 @@ class WholeSession final : public SessionStream {
     done_ = true;
     Stretch all;
     MIEN_TRY_ASSIGN(all.session, play(stage_, progress));
-    all.calibrations = stage_.worn->calibrations(stage_, all.session);
     return all;
   }
   [[nodiscard]] bool done() const override { return done_; }

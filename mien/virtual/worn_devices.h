@@ -32,8 +32,7 @@ struct Sent {
 /// A part of a session, after what came before it.
 struct Stretch {
   VirtualSession session;  ///< Entries and ticks are numbered on; events come with the first.
-  std::vector<take::CalibrationVersion> calibrations;
-  double share = 1;  ///< Of the whole that is performed by its end, 0 to 1.
+  double share = 1;        ///< Of the whole that is performed by its end, 0 to 1.
 };
 
 /// A session that is simulated and received stretch by stretch, in memory that does not grow with its length.
@@ -83,13 +82,9 @@ class WornDevices {
   /// What they send of the whole performance. Errors: bad_usage (a motion without frames), cancelled, the
   /// packet encoders'.
   [[nodiscard]] virtual Result<Sent> send(const Stage& stage, const Progress& progress) const = 0;
-  /// The calibrations that the prologue gives, as a guided live session would have made them. `session` is of
-  /// a rig with nothing but these devices.
-  [[nodiscard]] virtual std::vector<take::CalibrationVersion> calibrations(
-      const Stage& stage, const VirtualSession& session) const = 0;
   /// Whether stream() can be asked for, in this profile.
   [[nodiscard]] virtual bool streams([[maybe_unused]] bool lab) const { return false; }
-  /// What is received of them, and their calibrations, stretch by stretch. The stage outlives the stream.
+  /// What is received of them, stretch by stretch. The stage outlives the stream.
   /// Errors: unsupported, Reception::create's.
   [[nodiscard]] virtual Result<std::unique_ptr<SessionStream>> stream(const Stage& stage) const;
   /// Whether they send nothing by themselves and wait to be asked, as cameras do: they are offered on the

@@ -66,31 +66,6 @@ Result<Sent> WornTogether::send(const Stage& stage, const Progress& progress) co
   return all;
 }
 
-std::vector<take::CalibrationVersion> WornTogether::calibrations(const Stage& stage,
-                                                                 const VirtualSession& session) const {
-  std::vector<take::CalibrationVersion> all;
-  for (const Part& part : parts_) {
-    VirtualSession own;
-    own.ticks = session.ticks;
-    own.events = session.events;
-    for (const take::StoredSample& stored : session.samples) {
-      const auto found = std::ranges::find(part.sensors, stored.sample.sensor);
-      if (found == part.sensors.end()) continue;
-      own.samples.push_back(stored);
-      own.samples.back().sample.sensor = static_cast<std::uint16_t>(found - part.sensors.begin());
-    }
-    std::ranges::move(part.worn->calibrations(stage, own), std::back_inserter(all));
-  }
-  // Of those made at once each kind's stand in its own order.
-  const auto number = [&] {
-    for (std::size_t v = 0; v < all.size(); ++v) all[v].id = static_cast<std::int64_t>(v) + 1;
-  };
-  number();
-  std::ranges::sort(all, {}, [](const take::CalibrationVersion& one) { return std::pair(one.made, one.id); });
-  number();
-  return all;
-}
-
 Result<std::unique_ptr<NodeDevices>> WornTogether::on_network(const Stage& stage, const PlayedMotion& motion,
                                                               NodeLanguage language) const {
   std::vector<std::unique_ptr<NodeDevices>> all;

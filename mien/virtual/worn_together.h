@@ -25,8 +25,6 @@ class WornTogether final : public WornDevices {
   /// All that any of them needs.
   [[nodiscard]] performer::PrologueNeeds prologue(const Stage& stage) const override;
   [[nodiscard]] Result<Sent> send(const Stage& stage, const Progress& progress) const override;
-  [[nodiscard]] std::vector<take::CalibrationVersion> calibrations(
-      const Stage& stage, const VirtualSession& session) const override;
   /// Those that send by themselves.
   [[nodiscard]] Result<std::unique_ptr<NodeDevices>> on_network(const Stage& stage,
                                                                 const PlayedMotion& motion,

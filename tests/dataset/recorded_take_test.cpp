@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "mien/solve/solve.h"
+#include "mien/solve/trace_features.h"
 #include "tests/dataset/written_take.h"
 
 namespace mien::dataset::recorded_take_test {

@@ -233,7 +233,8 @@ TEST(Engine, ADatagramOfOscRecentresAndThePageIsToldWhoAsked) {
   boost::asio::io_context network;
   session::Session::Parts parts;
   parts.rig = virt::test::three_sensors();
-  parts.tracker = std::make_unique<imu::ImuTracker>(parts.rig, std::make_unique<session::test::TwoShapes>());
+  parts.trackers.push_back(
+      std::make_unique<imu::ImuTracker>(parts.rig, std::make_unique<session::test::TwoShapes>()));
   parts.protocols.push_back(std::make_unique<modalities::OscCommands>());
   parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
   EngineSettings asked = settings(folder);
@@ -493,7 +494,7 @@ TEST(Engine, ShowsWhatACameraSeesToWhoAsksAndLogsNoneOfIt) {
   boost::asio::io_context network;
   session::Session::Parts parts;
   parts.rig = headset::test::headset_rig();
-  parts.tracker = headset::HeadsetTracker::create(parts.rig, headset::test::small_model()).value();
+  parts.trackers.push_back(headset::HeadsetTracker::create(parts.rig, headset::test::small_model()).value());
   parts.protocols.push_back(std::make_unique<headset::PictureProtocol>());
   const auto tap = std::make_shared<PictureTap>(sensor::parse_device(parts.rig.sensors[1].device).value());
 

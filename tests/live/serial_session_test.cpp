@@ -52,10 +52,10 @@ std::unique_ptr<session::Session> session() {
   gain_m.col(0) = placed.at(open) - placed.at({});
   session::Session::Parts parts;
   parts.rig = sensor::parse_rig(rig_toml(), "glasses").value();
-  parts.tracker =
+  parts.trackers.push_back(
       eyewear::EyewearTracker::create(parts.rig, eyewear::test::marked_mouth(),
                                       std::make_unique<eyewear::test::LinearRegressor>(std::move(gain_m)))
-          .value();
+          .value());
   parts.protocols.push_back(
       std::make_unique<eyewear::EyewearProtocol>(eyewear::EyewearProtocol::create().value()));
   return session::Session::create(std::move(parts)).value();

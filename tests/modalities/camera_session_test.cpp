@@ -244,10 +244,9 @@ TEST_F(Headset, AModelThatIsNotThereIsToBeTrained) {
 TEST_F(Headset, IsOneOfSeveralKindsOfSensors) {
   sensor::Rig rig = headset::test::headset_rig();
   rig.sensors.push_back({.name = "phone", .kind = "weights", .role = "face", .device = "02:4D:49:45:4E:70"});
-  const auto both = make_tracker(rig, model_);
+  const auto both = make_session(rig, model_);
   ASSERT_TRUE(both) << both.error().message();
   EXPECT_EQ((*both)->modality(), "camera+weights");
-  EXPECT_FALSE((*both)->guidance().gestures);
 }
 
 TEST_F(Headset, WithAKeyNobodyOnANetworkSendsPictures) {

@@ -28,7 +28,7 @@ TEST(Registry, ARigOfSeveralKindsTakesAFolderOfModels) {
   EXPECT_EQ(*folder, file->parent_path());
   EXPECT_EQ(live_model(both, "mine").value(), "mine");
   // The first that is missing is named.
-  const auto missing = make_tracker(both, "no/such/folder");
+  const auto missing = make_session(both, "no/such/folder");
   ASSERT_FALSE(missing);
   EXPECT_NE(missing.error().message().find("no/such/folder: a rig with sensors of several kinds"),
             std::string::npos)
@@ -54,7 +54,7 @@ TEST(Registry, GazeNeedsNoModel) {
   const auto model = live_model(rig, "");
   ASSERT_TRUE(model);
   EXPECT_EQ(model->filename(), "live.safetensors");
-  const auto both = make_tracker(rig, *model);
+  const auto both = make_session(rig, *model);
   ASSERT_TRUE(both) << both.error().message();
   EXPECT_EQ((*both)->modality(), "imu+gaze");
   EXPECT_FALSE(has_window_models(rig));
@@ -62,7 +62,7 @@ TEST(Registry, GazeNeedsNoModel) {
   rig.reference = "eyes";
   std::erase_if(rig.sensors, [](const sensor::Mount& mount) { return mount.kind != "gaze"; });
   EXPECT_EQ(live_model(rig, "").value(), "");
-  const auto alone = make_tracker(rig, "");
+  const auto alone = make_session(rig, "");
   ASSERT_TRUE(alone) << alone.error().message();
   EXPECT_EQ((*alone)->modality(), "gaze");
   EXPECT_EQ(live_kernels(rig), "none");
@@ -76,7 +76,7 @@ TEST(Registry, WeightsNeedNoModelAndArePutTogetherWithGaze) {
   const auto model = live_model(rig, "");
   ASSERT_TRUE(model);
   EXPECT_EQ(model->filename(), "live.safetensors");
-  const auto all = make_tracker(rig, *model);
+  const auto all = make_session(rig, *model);
   ASSERT_TRUE(all) << all.error().message();
   EXPECT_EQ((*all)->modality(), "imu+gaze+weights");
 
@@ -90,7 +90,7 @@ TEST(Registry, RefusesSensorsOfAKindThatItDoesNotKnow) {
   sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
   rig.sensors[3].kind = "thermometer";
   EXPECT_EQ(live_model(rig, "").error().code, ErrorCode::unsupported);
-  EXPECT_EQ(make_tracker(rig, "models").error().code, ErrorCode::unsupported);
+  EXPECT_EQ(make_session(rig, "models").error().code, ErrorCode::unsupported);
   EXPECT_FALSE(has_window_models(rig));
 }
 

@@ -7,7 +7,6 @@
 #include "mien/eyewear/eyewear_protocol.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/sensor/rig_part.h"
-#include "mien/shaping/combined_tracker.h"
 #include "tests/session/session_run.h"
 
 // IMUs and glasses in one session: each on its own clock, one answer.
@@ -97,16 +96,11 @@ sensor::Rig mixed_rig(const std::string& reference) {
 }
 
 std::unique_ptr<Session> session(const sensor::Rig& rig) {
-  std::vector<shaping::CombinedTracker::Part> trackers;
-  trackers.push_back(
-      {std::make_unique<imu::ImuTracker>(sensor::part_of(rig, "imu"), std::make_unique<test::TwoShapes>()),
-       sensor::sensors_of(rig, "imu")});
-  trackers.push_back({std::make_unique<OneLight>(std::uint16_t{3}), sensor::sensors_of(rig, "eyewear")});
-  auto combined = std::make_unique<shaping::CombinedTracker>(std::move(trackers));
   Session::Parts parts;
   parts.rig = rig;
-  parts.reshape = [tracker = combined.get()](const shaping::ShaperSettings& s) { tracker->set(s); };
-  parts.tracker = std::move(combined);
+  parts.trackers.push_back(
+      std::make_unique<imu::ImuTracker>(sensor::part_of(rig, "imu"), std::make_unique<test::TwoShapes>()));
+  parts.trackers.push_back(std::make_unique<OneLight>(std::uint16_t{3}));
   parts.protocols.push_back(
       std::make_unique<eyewear::EyewearProtocol>(eyewear::EyewearProtocol::create().value()));
   parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));

@@ -41,7 +41,7 @@ std::unique_ptr<Session> corrected_session() {
   const sensor::Rig rig = virt::test::three_sensors();
   Session::Parts parts;
   parts.rig = rig;
-  parts.tracker = std::make_unique<imu::ImuTracker>(rig, std::make_unique<Corrected>());
+  parts.trackers.push_back(std::make_unique<imu::ImuTracker>(rig, std::make_unique<Corrected>()));
   parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
   return Session::create(std::move(parts)).value();
 }

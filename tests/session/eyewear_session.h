@@ -65,8 +65,8 @@ inline std::unique_ptr<eyewear::MarkerRegressor> jaw_regressor() {
 inline std::unique_ptr<Session> eyewear_session() {
   Session::Parts parts;
   parts.rig = glasses();
-  parts.tracker =
-      eyewear::EyewearTracker::create(glasses(), eyewear::test::marked_mouth(), jaw_regressor()).value();
+  parts.trackers.push_back(
+      eyewear::EyewearTracker::create(glasses(), eyewear::test::marked_mouth(), jaw_regressor()).value());
   parts.protocols.push_back(
       std::make_unique<eyewear::EyewearProtocol>(eyewear::EyewearProtocol::create().value()));
   return Session::create(std::move(parts)).value();

@@ -7,7 +7,6 @@
 #include "mien/gaze/gaze_tracker.h"
 #include "mien/gaze/packet.h"
 #include "mien/sensor/rig_part.h"
-#include "mien/shaping/combined_tracker.h"
 #include "tests/gaze/osc_bytes.h"
 #include "tests/session/session_run.h"
 
@@ -59,15 +58,11 @@ sensor::Rig gaze_rig(std::uint64_t device) {
 }
 
 std::unique_ptr<Session> session(const sensor::Rig& rig) {
-  std::vector<shaping::CombinedTracker::Part> trackers;
-  trackers.push_back(
-      {std::make_unique<imu::ImuTracker>(sensor::part_of(rig, "imu"), std::make_unique<SkinModel>()),
-       sensor::sensors_of(rig, "imu")});
-  trackers.push_back(
-      {gaze::GazeTracker::create(sensor::part_of(rig, "gaze")).value(), sensor::sensors_of(rig, "gaze")});
   Session::Parts parts;
   parts.rig = rig;
-  parts.tracker = std::make_unique<shaping::CombinedTracker>(std::move(trackers));
+  parts.trackers.push_back(
+      std::make_unique<imu::ImuTracker>(sensor::part_of(rig, "imu"), std::make_unique<SkinModel>()));
+  parts.trackers.push_back(gaze::GazeTracker::create(sensor::part_of(rig, "gaze")).value());
   parts.protocols.push_back(std::make_unique<gaze::GazeProtocol>());
   parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
   return Session::create(std::move(parts)).value();

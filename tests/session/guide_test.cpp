@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mien/face/anchors.h"
+#include "tests/virtual/three_sensors.h"
 
 namespace mien::session::guide_test {
 namespace {
@@ -26,7 +27,7 @@ class Guided final : public tracker::Tracker {
   std::vector<Look> looks;
   tracker::Guidance wanted;
 
-  [[nodiscard]] std::string_view modality() const override { return "none"; }
+  [[nodiscard]] std::string_view modality() const override { return "imu"; }
   void add(HostTime, const sensor::Sample&) override {}
   void forget(std::uint16_t) override {}
   tracker::TickResult tick(DeviceTime, const sensor::TimeLines&, face::OutputFrame&) override { return {}; }
@@ -39,12 +40,28 @@ class Guided final : public tracker::Tracker {
   }
 };
 
+/// A session's trackers of which one remembers how it is guided.
+struct Stage {
+  Guided* tracker = nullptr;
+  TrackerSet set;
+  Stage() : Stage(std::make_unique<Guided>()) {}
+
+ private:
+  explicit Stage(std::unique_ptr<Guided> only)
+      : tracker(only.get()), set(virt::test::three_sensors(), one(std::move(only))) {}
+  static std::vector<std::unique_ptr<tracker::Tracker>> one(std::unique_ptr<Guided> only) {
+    std::vector<std::unique_ptr<tracker::Tracker>> all;
+    all.push_back(std::move(only));
+    return all;
+  }
+};
+
 /// Runs it from frame 600 on with a performer who does `share` of each anchor; returns the frames it took.
-int lead(Guide& guide, Guided& tracker, double share, int most = 20'000) {
+int lead(Guide& guide, Stage& stage, double share, int most = 20'000) {
   for (int i = 0; i < most; ++i) {
     face::OutputFrame frame;
     frame.time = DeviceTime(frame_offset(600 + i));
-    guide.before(frame.time, tracker);
+    guide.before(frame.time, stage.set);
     if (const Guide::Place place = guide.place(frame.time);
         place.part != nullptr && place.part->target != nullptr && place.progress > 0)
       for (std::size_t k = 0; k < face::kShapeCount; ++k)
@@ -56,12 +73,13 @@ int lead(Guide& guide, Guided& tracker, double share, int most = 20'000) {
 
 TEST(Guide, AShortOneIsNeutralNodAndShakeWithTimeToRead) {
   Guide guide;
-  Guided tracker;
+  Stage stage;
+  Guided& tracker = *stage.tracker;
   EXPECT_FALSE(guide.running());
-  guide.begin(Calibrate::Kind::brief);
+  guide.begin({.kind = Calibrate::Kind::brief});
   EXPECT_TRUE(guide.running());
   EXPECT_EQ(guide.place(DeviceTime()).part, nullptr) << "its time is not known before its first tick";
-  const int frames = lead(guide, tracker, 1);
+  const int frames = lead(guide, stage, 1);
   EXPECT_NEAR(frames, 60 * (1.5 + 3 + 4.5 + 4.5), 1);
   EXPECT_FALSE(guide.running());
   EXPECT_TRUE(guide.anchor_scores().empty());
@@ -75,9 +93,10 @@ TEST(Guide, AShortOneIsNeutralNodAndShakeWithTimeToRead) {
 
 TEST(Guide, AFullOneScoresEachAnchorByHowMuchOfItCameThrough) {
   Guide guide;
-  Guided tracker;
-  guide.begin(Calibrate::Kind::full);
-  const int frames = lead(guide, tracker, 0.6);
+  Stage stage;
+  Guided& tracker = *stage.tracker;
+  guide.begin({.kind = Calibrate::Kind::full});
+  const int frames = lead(guide, stage, 0.6);
   EXPECT_NEAR(frames, 60 * (13.5 + 2.4 * static_cast<double>(face::anchors().size())), 1);
   EXPECT_EQ(tracker.asked.size(), 3u) << "the tracker has no use for anchors";
   ASSERT_EQ(guide.anchor_scores().size(), face::anchors().size());
@@ -87,26 +106,27 @@ TEST(Guide, AFullOneScoresEachAnchorByHowMuchOfItCameThrough) {
     EXPECT_TRUE(score.pass) << score.name;
   }
 
-  guide.begin(Calibrate::Kind::full);
-  lead(guide, tracker, 0.1);
+  guide.begin({.kind = Calibrate::Kind::full});
+  lead(guide, stage, 0.1);
   for (const sensor::Score& score : guide.anchor_scores()) EXPECT_FALSE(score.pass) << score.name;
 
-  guide.begin(Calibrate::Kind::brief);
+  guide.begin({.kind = Calibrate::Kind::brief});
   EXPECT_TRUE(guide.anchor_scores().empty()) << "those of the last run";
 }
 
 TEST(Guide, AsksForWhatTheTrackerWantsAndTellsItOfTheRangeOfMotion) {
   Guide guide;
-  Guided tracker;
+  Stage stage;
+  Guided& tracker = *stage.tracker;
   tracker.wanted = {.neutral = std::chrono::seconds(5), .gestures = false};
-  guide.begin(Calibrate::Kind::brief);
-  EXPECT_NEAR(lead(guide, tracker, 1), 60 * (1.5 + 5), 1);
+  guide.begin({.kind = Calibrate::Kind::brief});
+  EXPECT_NEAR(lead(guide, stage, 1), 60 * (1.5 + 5), 1);
   ASSERT_EQ(tracker.asked.size(), 1u);
   EXPECT_EQ(tracker.asked[0].step, Step::neutral);
   EXPECT_TRUE(tracker.ranges.empty()) << "a short one has none";
 
-  guide.begin(Calibrate::Kind::full);
-  EXPECT_NEAR(lead(guide, tracker, 1), 60 * (6.5 + 2.4 * static_cast<double>(face::anchors().size())), 1);
+  guide.begin({.kind = Calibrate::Kind::full});
+  EXPECT_NEAR(lead(guide, stage, 1), 60 * (6.5 + 2.4 * static_cast<double>(face::anchors().size())), 1);
   ASSERT_EQ(tracker.asked.size(), 2u);
   ASSERT_EQ(tracker.ranges.size(), 1u);
   EXPECT_EQ(tracker.ranges[0].begin, tracker.asked[1].end);
@@ -117,11 +137,12 @@ TEST(Guide, AsksForWhatTheTrackerWantsAndTellsItOfTheRangeOfMotion) {
 
 TEST(Guide, OneThatLearnsTheWearerTellsTheTrackerOfEachExpression) {
   Guide guide;
-  Guided tracker;
-  guide.begin(Calibrate::Kind::wearer);
+  Stage stage;
+  Guided& tracker = *stage.tracker;
+  guide.begin({.kind = Calibrate::Kind::wearer});
   const double asked_s = 2.4 * static_cast<double>(face::anchors().size()) +
                          2.0 * static_cast<double>(face::range_of_motion().size());
-  EXPECT_NEAR(lead(guide, tracker, 1), 60 * (13.5 + asked_s + to_seconds(tracker::kWearerLearnt) + 0.5), 1);
+  EXPECT_NEAR(lead(guide, stage, 1), 60 * (13.5 + asked_s + to_seconds(tracker::kWearerLearnt) + 0.5), 1);
   ASSERT_EQ(tracker.expressions.size(), face::anchors().size() + face::range_of_motion().size());
   EXPECT_EQ(tracker.expressions.front().begin, tracker.asked.back().end);
   for (std::size_t i = 0; i + 1 < tracker.expressions.size(); ++i)
@@ -134,12 +155,13 @@ TEST(Guide, OneThatLearnsTheWearerTellsTheTrackerOfEachExpression) {
 
 TEST(Guide, OneOfGazeAsksForTargetsAfterTheNeutralAndGivesTimeToLookThere) {
   Guide guide;
-  Guided tracker;
+  Stage stage;
+  Guided& tracker = *stage.tracker;
   tracker.wanted = {.neutral = std::chrono::seconds(3), .gestures = false, .learns_gaze = true};
-  guide.begin(Calibrate::Kind::gaze);
+  guide.begin({.kind = Calibrate::Kind::gaze});
   const auto targets = face::gaze_targets();
   const auto count = static_cast<double>(targets.size());
-  EXPECT_NEAR(lead(guide, tracker, 1), 60 * (1.5 + 3 + 2.7 * count), 1);
+  EXPECT_NEAR(lead(guide, stage, 1), 60 * (1.5 + 3 + 2.7 * count), 1);
   ASSERT_EQ(tracker.asked.size(), 1u);
   EXPECT_TRUE(tracker.ranges.empty()) << "eyes that turn are no range of motion";
   EXPECT_TRUE(guide.anchor_scores().empty());
@@ -158,10 +180,10 @@ TEST(Guide, OneOfGazeAsksForTargetsAfterTheNeutralAndGivesTimeToLookThere) {
 
 TEST(Guide, TellsWhereItIs) {
   Guide guide;
-  Guided tracker;
-  guide.begin(Calibrate::Kind::full);
+  Stage stage;
+  guide.begin({.kind = Calibrate::Kind::full});
   const DeviceTime begin(frame_offset(600));
-  guide.before(begin, tracker);
+  guide.before(begin, stage.set);
   ASSERT_EQ(guide.parts().size(), 3 + face::anchors().size());
   const Guide::Place lead_in = guide.place(begin);
   ASSERT_NE(lead_in.part, nullptr);
@@ -184,6 +206,28 @@ TEST(Guide, TellsWhereItIs) {
   face::OutputFrame frame;
   frame.time = begin + std::chrono::hours(1);
   EXPECT_FALSE(guide.after(frame));
+}
+
+TEST(Guide, FollowsStepsWhoseTimesAreGiven) {
+  Guide guide;
+  Stage stage;
+  const auto at = [](int frame) { return DeviceTime(frame_offset(600 + frame)); };
+  const face::GazeTarget& left = face::gaze_targets()[1];
+  guide.begin({.steps = {{.step = Step::neutral, .begin = at(10), .end = at(100)},
+                         {.step = Step::nod, .begin = at(110), .end = at(200)},
+                         {.range = true, .begin = at(210), .end = at(300)},
+                         {.look = &left, .begin = at(310), .end = at(400)}}});
+  EXPECT_EQ(lead(guide, stage, 1), 400);
+  const Guided& tracker = *stage.tracker;
+  ASSERT_EQ(tracker.asked.size(), 2u);
+  EXPECT_EQ(tracker.asked[1].step, Step::nod);
+  EXPECT_EQ(tracker.asked[1].begin, at(110));
+  ASSERT_EQ(tracker.ranges.size(), 1u);
+  EXPECT_EQ(tracker.ranges[0].end, at(300));
+  ASSERT_EQ(tracker.looks.size(), 1u);
+  EXPECT_EQ(tracker.looks[0].name, left.name);
+  EXPECT_EQ(tracker.looks[0].begin, at(310));
+  EXPECT_TRUE(guide.anchor_scores().empty());
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ std::unique_ptr<Session> headset_session(bool kept = false, std::uint64_t seed =
   const auto model = headset::test::small_model(seed);
   Session::Parts parts;
   parts.rig = rig;
-  parts.tracker = headset::HeadsetTracker::create(rig, model).value();
+  parts.trackers.push_back(headset::HeadsetTracker::create(rig, model).value());
   parts.protocols.push_back(std::make_unique<headset::PictureProtocol>());
   if (!kept)
     parts.reducers.push_back(

@@ -64,7 +64,7 @@ std::unique_ptr<speech::SpeechTracker> loud_tracker(const sensor::Rig& rig) {
 std::unique_ptr<Session> loud_session(const sensor::Rig& rig) {
   Session::Parts parts;
   parts.rig = rig;
-  parts.tracker = loud_tracker(rig);
+  parts.trackers.push_back(loud_tracker(rig));
   parts.protocols = modalities::make_protocols().value();
   return Session::create(std::move(parts)).value();
 }
@@ -103,9 +103,7 @@ std::vector<face::OutputFrame> play(Session& session, const std::vector<virt::Da
 
 struct Feed final : SampleConsumer {
   explicit Feed(tracker::Tracker& t) : tracker(t) {}
-  void add(HostTime arrival, const sensor::Sample& sample) override { tracker.add(arrival, sample); }
-  void add_with_payload(HostTime arrival, const sensor::Sample& sample,
-                        std::span<const std::byte> payload) override {
+  void add(HostTime arrival, const sensor::Sample& sample, std::span<const std::byte> payload) override {
     tracker.add_with_payload(arrival, sample, payload);
   }
   void rebound(std::uint16_t, const sensor::DeviceKey&, bool) override {}
@@ -303,7 +301,7 @@ TEST(MicrophoneSession, StrangersAreNotRecorded) {
     const auto receiver =
         Receiver::create(rig_of(microphones, true), modalities::make_protocols().value()).value();
     struct Nobody final : SampleConsumer {
-      void add(HostTime, const sensor::Sample&) override { ADD_FAILURE(); }
+      void add(HostTime, const sensor::Sample&, std::span<const std::byte>) override { ADD_FAILURE(); }
       void rebound(std::uint16_t, const sensor::DeviceKey&, bool) override { ADD_FAILURE(); }
     } nobody;
     const virt::Datagram stranger = block(0, tone, 7);
@@ -331,8 +329,7 @@ TEST(MicrophoneSession, WithAKeyOnlyASealedOneIsHeard) {
   const sensor::SealKey key{.id = 1, .secret = {std::byte{7}}};
   const auto receiver = Receiver::create(rig_of(1), modalities::make_protocols({key}).value()).value();
   struct Ear final : SampleConsumer {
-    void add(HostTime, const sensor::Sample&) override {}
-    void add_with_payload(HostTime, const sensor::Sample&, std::span<const std::byte> payload) override {
+    void add(HostTime, const sensor::Sample&, std::span<const std::byte> payload) override {
       heard = speech::samples_of(payload);
     }
     void rebound(std::uint16_t, const sensor::DeviceKey&, bool) override {}

@@ -147,7 +147,7 @@ class Old final : public sensor::Protocol {
 TEST(Payload, IsMalformedInAProtocolWithoutAny) {
   Session::Parts parts;
   parts.rig = sensor::parse_rig(test::kCameraRig, "camera").value();
-  parts.tracker = std::make_unique<PictureTracker>();
+  parts.trackers.push_back(std::make_unique<PictureTracker>());
   parts.protocols.push_back(std::make_unique<Old>());
   const auto session = Session::create(std::move(parts)).value();
   EXPECT_EQ(session->receive({}, 0, datagram_of(0)).verdict, Verdict::taken);

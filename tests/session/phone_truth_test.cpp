@@ -35,7 +35,7 @@ sensor::Rig rig(bool with_phone) {
 std::unique_ptr<Session> session(const sensor::Rig& of) {
   Session::Parts parts;
   parts.rig = of;
-  parts.tracker = std::make_unique<imu::ImuTracker>(of, std::make_unique<test::TwoShapes>());
+  parts.trackers.push_back(std::make_unique<imu::ImuTracker>(of, std::make_unique<test::TwoShapes>()));
   parts.protocols.push_back(std::make_unique<phone::LiveLinkProtocol>());
   parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
   return Session::create(std::move(parts)).value();

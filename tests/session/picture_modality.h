@@ -125,7 +125,7 @@ inline std::unique_ptr<Session> picture_session(std::optional<std::uint32_t> sca
                                                 PictureTracker::Seen* seen = nullptr) {
   Session::Parts parts;
   parts.rig = sensor::parse_rig(kCameraRig, "camera").value();
-  parts.tracker = std::make_unique<PictureTracker>(seen);
+  parts.trackers.push_back(std::make_unique<PictureTracker>(seen));
   parts.protocols.push_back(std::make_unique<PictureProtocol>());
   if (scale) parts.reducers.push_back({"picture", std::make_unique<PictureReducer>(*scale)});
   return Session::create(std::move(parts)).value();

@@ -32,7 +32,7 @@ class Received final : public SampleConsumer {
     DeviceKey device;
   };
   std::vector<Item> items;
-  void add(HostTime, const sensor::Sample& sample) override {
+  void add(HostTime, const sensor::Sample& sample, std::span<const std::byte>) override {
     items.push_back({.sensor = sample.sensor, .time = sample.time});
   }
   void rebound(std::uint16_t sensor, const DeviceKey& device, bool) override {
@@ -49,19 +49,21 @@ std::unique_ptr<Receiver> receiver(sensor::Rig rig = virt::test::three_sensors()
   return Receiver::create(std::move(rig), std::move(protocols)).value();
 }
 
-take::LogEntry page(std::int64_t id, HostTime arrival, std::string_view json) {
-  const auto bytes = std::as_bytes(std::span(json));
-  return {id, arrival, std::string(kPageSource), {bytes.begin(), bytes.end()}};
-}
-
-bool always(const take::Tick&) {
-  return true;
+/// Entries of a log, to a receiver; `at_half` happens when half of them were.
+void feed(
+    std::span<const take::LogEntry> entries, Receiver& receiver, SampleConsumer& consumer,
+    const std::function<void()>& at_half = [] {}) {
+  Peers peers;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (i == entries.size() / 2) at_half();
+    receiver.receive(entries[i].arrival, peers.of(entries[i].source), entries[i].bytes, consumer);
+  }
 }
 
 TEST(Receiver, GivesEverySampleOfTheLogOnceToItsSensor) {
   const virt::VirtualSession performed = test::performance(1);
   Received received;
-  ASSERT_TRUE(replay_samples(performed.entries, performed.ticks, *receiver(), received, always));
+  feed(performed.entries, *receiver(), received);
   ASSERT_EQ(received.items.size(), performed.samples.size());
   for (std::size_t i = 0; i < received.items.size(); ++i) {
     EXPECT_EQ(received.items[i].sensor, performed.samples[i].sample.sensor);
@@ -69,21 +71,12 @@ TEST(Receiver, GivesEverySampleOfTheLogOnceToItsSensor) {
   }
 }
 
-TEST(Receiver, ADeviceThatTheLogBindsAnewIsTheOtherSensorFromThereOn) {
+TEST(Receiver, ADeviceThatIsBoundAnewIsTheOtherSensorFromThereOn) {
   const virt::VirtualSession performed = test::performance(2);
-  const std::size_t half = performed.entries.size() / 2;
-  std::vector<take::LogEntry> entries(performed.entries.begin(),
-                                      performed.entries.begin() + static_cast<std::ptrdiff_t>(half));
   const DeviceKey cheek{sensor::virtual_device(1), 0};
-  entries.push_back(page(
-      static_cast<std::int64_t>(half) + 1, entries.back().arrival,
-      R"({"command": "bind", "sensor": "mentalis", "device": ")" + sensor::format_device(cheek) + "\"}"));
-  for (std::size_t i = half; i < performed.entries.size(); ++i) {
-    entries.push_back(performed.entries[i]);
-    ++entries.back().id;
-  }
   Received received;
-  ASSERT_TRUE(replay_samples(entries, {}, *receiver(), received, always));
+  const auto receiver = receiver_test::receiver();
+  feed(performed.entries, *receiver, received, [&] { receiver->bind(0, cheek, received); });
   const auto bound = std::ranges::find_if(received.items, &Received::Item::rebound);
   ASSERT_NE(bound, received.items.end());
   EXPECT_EQ(bound->sensor, 0);
@@ -143,33 +136,6 @@ TEST(Receiver, KnowsAtATickWhoIsLostAndWhoSeesNoFace) {
   EXPECT_EQ(news, (std::vector<std::string>{"face_lost", "sensor_lost", "sensor_back", "face_back"}));
 }
 
-TEST(Receiver, CommandsThatBindNothingArePassedOver) {
-  const virt::VirtualSession performed = test::performance(0.5);
-  std::vector<take::LogEntry> entries;
-  for (const char* json : {R"({"command": "recentre"})",
-                           R"({"command": "bind", "sensor": "nose", "device": "02:4D:49:45:4E:01"})",
-                           R"({"command": "tap", "sensor": "nose"})", "no command"})
-    entries.push_back(
-        page(static_cast<std::int64_t>(entries.size()) + 1, performed.entries[0].arrival, json));
-  for (const take::LogEntry& entry : performed.entries) {
-    entries.push_back(entry);
-    entries.back().id += 4;
-  }
-  Received received;
-  ASSERT_TRUE(replay_samples(entries, {}, *receiver(), received, always));
-  EXPECT_EQ(received.items.size(), performed.samples.size());
-}
-
-TEST(Receiver, StopsWhenAskedAtATick) {
-  const virt::VirtualSession performed = test::performance(1);
-  Received received;
-  int ticks = 0;
-  EXPECT_FALSE(replay_samples(performed.entries, performed.ticks, *receiver(), received,
-                              [&](const take::Tick&) { return ++ticks < 10; }));
-  EXPECT_EQ(ticks, 10);
-  EXPECT_LT(received.items.size(), performed.samples.size());
-}
-
 TEST(Receiver, RefusesARigThatBindsTwoSensorsToOneDevice) {
   sensor::Rig rig = virt::test::three_sensors();
   rig.sensors[0].device = rig.sensors[2].device = "02:4D:49:45:4E:07";
@@ -178,6 +144,22 @@ TEST(Receiver, RefusesARigThatBindsTwoSensorsToOneDevice) {
   EXPECT_EQ(refused.error().code, ErrorCode::bad_usage);
   rig.sensors[2].device = "a board";
   EXPECT_EQ(Receiver::create(rig, {}).error().code, ErrorCode::malformed);
+}
+
+TEST(Receiver, RotationsOfTheLabComeFromALogAndFromNoDevice) {
+  const sensor::Sample rotation{.kind = sensor::SampleKind::imu_head_relative, .count = 3};
+  imu::Packet packet = imu::make_packet({&rotation, 1}).value();
+  packet.device = sensor::virtual_device(0);
+  const std::vector<std::byte> bytes = imu::encode_packet(packet).value();
+  const auto receiver = receiver_test::receiver();
+  Received received;
+  const auto live = receiver->receive({}, 1, bytes, received);
+  EXPECT_EQ(live.verdict, sensor::Verdict::refused);
+  EXPECT_TRUE(received.items.empty());
+  Report report;
+  receiver->report({}, report);
+  EXPECT_EQ(report.refused, 1U);
+  EXPECT_EQ(receiver->receive_logged({}, 1, bytes, {}, received).samples.size(), 1U);
 }
 
 /// The same packet with other values, as a stranger forges it.
@@ -191,7 +173,7 @@ std::vector<std::byte> forged(std::span<const std::byte> datagram, float value, 
 /// Which readings came through: of the device, or forged, which all have one value but for rounding.
 class Accepted final : public SampleConsumer {
  public:
-  void add(HostTime arrival, const sensor::Sample& sample) override {
+  void add(HostTime arrival, const sensor::Sample& sample, std::span<const std::byte>) override {
     const bool of_stranger =
         std::ranges::all_of(sample.used(), [&](float v) { return std::abs(v - sample.values[0]) < 0.01F; });
     (of_stranger ? stranger : device).push_back(arrival);
@@ -368,21 +350,18 @@ TEST(Receiver, WhoWasChosenStaysHoweverItBehaves) {
   EXPECT_EQ(report.links[0].rivals.at(0).source, "udp://boards");
 }
 
-TEST(Receiver, AReplayObeysTheChoiceAtItsPlaceInTheLog) {
+TEST(Receiver, WhoIsChosenIsAcceptedFromThereOn) {
   const TwoSenders both(2);
-  std::vector<take::LogEntry> entries = both.entries;
-  const auto half = static_cast<std::ptrdiff_t>(entries.size() / 2);
-  const HostTime at = entries[static_cast<std::size_t>(half)].arrival;
-  const std::string json = write_command(Hear{"mentalis", TwoSenders::kForger});
-  entries.insert(entries.begin() + half, page(0, at, json));
-  for (std::size_t i = 0; i < entries.size(); ++i) entries[i].id = static_cast<std::int64_t>(i) + 1;
+  const HostTime at = both.entries[both.entries.size() / 2].arrival;
   Accepted accepted;
-  ASSERT_TRUE(replay_samples(entries, {}, *receiver(), accepted, always));
+  const auto choosing = receiver_test::receiver();
+  feed(both.entries, *choosing, accepted,
+       [&] { EXPECT_TRUE(choosing->hear(0, TwoSenders::kForger, accepted)); });
   EXPECT_EQ(accepted.changes, 1);
   ASSERT_FALSE(accepted.stranger.empty());
   EXPECT_GE(accepted.stranger.front(), at);
   Accepted unasked;
-  ASSERT_TRUE(replay_samples(both.entries, {}, *receiver(), unasked, always));
+  feed(both.entries, *receiver(), unasked);
   EXPECT_TRUE(unasked.stranger.empty());
 }
 
@@ -396,7 +375,7 @@ class SlimeVrBoards final : public SampleConsumer {
     protocols.push_back(std::make_unique<imu::SlimeVrProtocol>());
     receiver_ = Receiver::create(std::move(rig), std::move(protocols)).value();
   }
-  void add(HostTime, const sensor::Sample&) override { ++(*speaker_); }
+  void add(HostTime, const sensor::Sample&, std::span<const std::byte>) override { ++(*speaker_); }
   void rebound(std::uint16_t, const DeviceKey&, bool) override {}
   void greet(const Sender& from) { say(from, 0, imu::slimevr::Handshake{.protocol = 22, .mac = kMac}); }
   void turn(const Sender& from) {

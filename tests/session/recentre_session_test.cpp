@@ -51,7 +51,7 @@ class Watching final : public tracker::FrameModel {
 std::unique_ptr<Session> watched_session(std::vector<Watching::Seen>& seen) {
   Session::Parts parts;
   parts.rig = virt::test::three_sensors();
-  parts.tracker = std::make_unique<imu::ImuTracker>(parts.rig, std::make_unique<Watching>(seen));
+  parts.trackers.push_back(std::make_unique<imu::ImuTracker>(parts.rig, std::make_unique<Watching>(seen)));
   parts.protocols.push_back(std::make_unique<modalities::OscCommands>());
   parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
   return Session::create(std::move(parts)).value();
@@ -249,7 +249,7 @@ TEST(RecentreSession, IsAdvisedOnceWhereRotationsAreUncertainAndAFaultIsNamed) {
   std::uint64_t faults = 0;
   Session::Parts parts;
   parts.rig = virt::test::three_sensors();
-  parts.tracker = std::make_unique<Uncertain>(sigma_deg, faults);
+  parts.trackers.push_back(std::make_unique<Uncertain>(sigma_deg, faults));
   const auto session = Session::create(std::move(parts)).value();
   std::vector<take::Event> events;
   for (int frame = 0; frame < 60 * 30; ++frame) {

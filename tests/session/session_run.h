@@ -56,7 +56,7 @@ inline std::unique_ptr<Session> session(const sensor::Rig& rig = virt::test::thr
                                         float brow = 0) {
   Session::Parts parts;
   parts.rig = rig;
-  parts.tracker = std::make_unique<imu::ImuTracker>(rig, std::make_unique<TwoShapes>(brow));
+  parts.trackers.push_back(std::make_unique<imu::ImuTracker>(rig, std::make_unique<TwoShapes>(brow)));
   parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
   parts.protocols.push_back(std::make_unique<imu::SlimeVrProtocol>());
   return Session::create(std::move(parts)).value();

@@ -269,7 +269,7 @@ TEST(Session, BindsByRigByPlaceByAnnouncementAndByOrder) {
   rig.sensors[1].device = "02:00:00:00:00:99";
   Session::Parts parts;
   parts.rig = rig;
-  parts.tracker = std::make_unique<imu::ImuTracker>(rig, std::make_unique<test::TwoShapes>());
+  parts.trackers.push_back(std::make_unique<imu::ImuTracker>(rig, std::make_unique<test::TwoShapes>()));
   EXPECT_FALSE(Session::create(std::move(parts)));
 }
 
@@ -320,7 +320,8 @@ TEST(Session, MarkersAreLoggedAndMoveNothing) {
   const auto with_markers = [] {
     Session::Parts parts;
     parts.rig = virt::test::three_sensors();
-    parts.tracker = std::make_unique<imu::ImuTracker>(parts.rig, std::make_unique<test::TwoShapes>());
+    parts.trackers.push_back(
+        std::make_unique<imu::ImuTracker>(parts.rig, std::make_unique<test::TwoShapes>()));
     parts.protocols.push_back(std::make_unique<mocap::MarkerProtocol>());
     parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
     return Session::create(std::move(parts)).value();

@@ -48,7 +48,7 @@ std::unique_ptr<Session> session() {
   const sensor::Rig rig = virt::test::three_sensors();
   Session::Parts parts;
   parts.rig = rig;
-  parts.tracker = std::make_unique<imu::ImuTracker>(rig, std::make_unique<LearntShapes>());
+  parts.trackers.push_back(std::make_unique<imu::ImuTracker>(rig, std::make_unique<LearntShapes>()));
   parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
   return Session::create(std::move(parts)).value();
 }

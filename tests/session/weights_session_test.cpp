@@ -11,7 +11,6 @@
 #include "mien/phone/weights_protocol.h"
 #include "mien/phone/weights_tracker.h"
 #include "mien/sensor/rig_part.h"
-#include "mien/shaping/combined_tracker.h"
 #include "tests/session/session_run.h"
 
 // Another program's weights and head beside IMUs and a tracker of gaze in one session.
@@ -66,17 +65,12 @@ sensor::Rig rig_of_three() {
 
 std::unique_ptr<Session> session() {
   const sensor::Rig rig = rig_of_three();
-  std::vector<shaping::CombinedTracker::Part> trackers;
-  trackers.push_back(
-      {std::make_unique<imu::ImuTracker>(sensor::part_of(rig, "imu"), std::make_unique<SneeringModel>()),
-       sensor::sensors_of(rig, "imu")});
-  trackers.push_back(
-      {gaze::GazeTracker::create(sensor::part_of(rig, "gaze")).value(), sensor::sensors_of(rig, "gaze")});
-  trackers.push_back({phone::WeightsTracker::create(sensor::part_of(rig, "weights")).value(),
-                      sensor::sensors_of(rig, "weights")});
   Session::Parts parts;
   parts.rig = rig;
-  parts.tracker = std::make_unique<shaping::CombinedTracker>(std::move(trackers));
+  parts.trackers.push_back(
+      std::make_unique<imu::ImuTracker>(sensor::part_of(rig, "imu"), std::make_unique<SneeringModel>()));
+  parts.trackers.push_back(gaze::GazeTracker::create(sensor::part_of(rig, "gaze")).value());
+  parts.trackers.push_back(phone::WeightsTracker::create(sensor::part_of(rig, "weights")).value());
   parts.protocols.push_back(std::make_unique<gaze::GazeProtocol>());
   parts.protocols.push_back(std::make_unique<phone::WeightsProtocol>());
   parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));

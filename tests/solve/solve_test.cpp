@@ -7,6 +7,7 @@
 
 #include "mien/core/sha256.h"
 #include "mien/modalities/modalities.h"
+#include "mien/session/peers.h"
 #include "mien/session/replay.h"
 #include "tests/solve/performed_take.h"
 #include "tests/tracker/tiny_model.h"
@@ -33,14 +34,6 @@ TEST(SamplerOf, IsTheFilesOwnButForTheSteps) {
   EXPECT_EQ(sampler_of(file, file.schedule.levels).kind, model::SamplerKind::ddpm);
 }
 
-/// What a consumer gets.
-class Collector final : public session::SampleConsumer {
- public:
-  std::vector<sensor::Sample> samples;
-  void add(HostTime, const sensor::Sample& sample) override { samples.push_back(sample); }
-  void rebound(std::uint16_t, const sensor::DeviceKey&, bool) override {}
-};
-
 TEST(Solve, IsTheSameEachTimeAndTheStoredSamplesAreThoseOfTheLog) {
   const mien::test::Folder folder;
   for (const auto& [devices, session] :
@@ -51,43 +44,45 @@ TEST(Solve, IsTheSameEachTimeAndTheStoredSamplesAreThoseOfTheLog) {
     EXPECT_EQ(solution.hash, solve(take).value().hash) << devices;
     EXPECT_EQ(solution.ridge, solve(take).value().ridge) << devices;
 
-    auto receiver = session::Receiver::create(take.rig(), modalities::make_protocols().value()).value();
-    Collector received;
+    const auto receiving = modalities::make_receiving_session(take.rig()).value();
+    std::vector<sensor::Sample> received;
+    session::Peers peers;
+    for (const take::LogEntry& entry : take.entries().value()) {
+      const auto samples =
+          receiving->receive_logged(entry.arrival, peers.of(entry.source), entry.bytes, {}).samples;
+      received.insert(received.end(), samples.begin(), samples.end());
+    }
     const auto stored = take.samples().value();
-    ASSERT_TRUE(session::replay_samples(take.entries().value(), take.ticks().value(), *receiver, received,
-                                        [](const take::Tick&) { return true; }));
-    ASSERT_EQ(received.samples.size(), stored.size());
+    ASSERT_EQ(received.size(), stored.size());
     for (std::size_t i = 0; i < stored.size(); ++i) {
-      EXPECT_EQ(received.samples[i].sensor, stored[i].sample.sensor);
-      EXPECT_EQ(received.samples[i].time, stored[i].sample.time);
-      EXPECT_EQ(received.samples[i].values, stored[i].sample.values);
+      EXPECT_EQ(received[i].sensor, stored[i].sample.sensor);
+      EXPECT_EQ(received[i].time, stored[i].sample.time);
+      EXPECT_EQ(received[i].values, stored[i].sample.values);
     }
   }
 }
 
-TEST(Solve, FrameByFrameItIsWhatTheTrackerSays) {
+TEST(Replay, IsWhatASessionShowsOfARecordedTakeAndOfAPerformedOne) {
   const mien::test::Folder folder;
   for (const auto& [devices, session] :
        {std::pair{"device", test::device_session()}, std::pair{"lab", test::lab_session()}}) {
     const take::Take take = test::stored(session, folder / devices, devices);
-    tracker::CausalTracker tracker =
-        tracker::CausalTracker::create(tracker::test::tiny_causal_model({"mentalis", "buccinator_L"}),
-                                       take.rig().face_sensor_names())
-            .value();
-    const Solution samples = solve_take(take, tracker, no_progress).value();
-    EXPECT_EQ(samples.hash, solve_take(take, tracker, no_progress)->hash) << "again: the tracker is as new";
-    EXPECT_EQ(samples.ridge, solve(take).value().ridge) << "the window model's baseline of the same matrix";
-    EXPECT_EQ(samples.observed, solve(take).value().observed);
-    const auto features = take_features(take).value();
-    ASSERT_EQ(samples.frames.size(), features.size());
-    face::OutputFrame frame;
-    for (std::size_t f = 0; f < features.size(); ++f) {
-      tracker.step(features[f], frame);
-      EXPECT_EQ(frame.weights, samples.frames[f].weights);
+    modalities::LiveModel model("");
+    model.imu = tracker::test::tiny_causal_model({"mentalis", "buccinator_L"});
+    const Solution replayed = replay_take(take, model, no_progress).value();
+    const auto shown = modalities::make_session(take.rig(), model).value();
+    ASSERT_TRUE(session::replay(take, *shown, [](const auto&, const auto&) { return true; }));
+    EXPECT_EQ(replayed.hash, shown->hash()) << devices;
+    EXPECT_EQ(replayed.ridge, solve(take).value().ridge) << "the window model's baseline of the same matrix";
+    EXPECT_GT(replayed.observed, 0.99) << devices;
+    EXPECT_FALSE(replayed.uncalibrated && std::string(devices) == "device");
+    ASSERT_EQ(replayed.frames.size(), session.ticks.size());
+    EXPECT_EQ(replayed.frames.back().provenance[0], face::Provenance::measured);
+    const auto stopped = replay_take(take, model, [](double, std::string_view) { return false; });
+    if (replayed.frames.size() >= 600) {
+      ASSERT_FALSE(stopped);
+      EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
     }
-    const auto stopped = solve_take(take, tracker, [](double, std::string_view) { return false; });
-    ASSERT_FALSE(stopped);
-    EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
   }
 }
 

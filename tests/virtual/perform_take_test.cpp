@@ -7,10 +7,11 @@
 #include <filesystem>
 #include <iterator>
 
+#include "mien/core/bytes.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
 #include "mien/face/load_motion.h"
-#include "mien/imu/calibration.h"
+#include "mien/session/command.h"
 #include "mien/take/take.h"
 #include "tests/folder.h"
 #include "tests/virtual/three_sensors.h"
@@ -64,30 +65,29 @@ TEST_F(PerformTake, SaysInTheHeaderWhatWasPerformed) {
   EXPECT_EQ(take.header().prologue, "short");
   EXPECT_EQ(take.header().seed, 5U);
   EXPECT_EQ(take.header().rig_toml, test::kRig);
-  EXPECT_EQ(take.entries().value().size(), summary.packets);
+  EXPECT_EQ(take.entries().value().size(), summary.packets + 1) << "the calibration's command is first";
   EXPECT_EQ(take.samples().value().size(), summary.samples);
   EXPECT_EQ(take.ticks().value().size(), summary.frames);
   EXPECT_EQ(take.truth().value().size(), summary.frames);
-  EXPECT_TRUE(take.calibrations().value().empty());  // In lab it is the identity.
 }
 
-TEST_F(PerformTake, TheDeviceProfileLeavesItsCalibration) {
+TEST_F(PerformTake, TheLogBeginsWithTheCalibrationAsASessionsDoes) {
   request_.devices = "device";
   ASSERT_TRUE(perform_take(request_, no_progress));
   const take::Take take = take::Take::open(request_.take).value();
-  const auto calibrations = take.calibrations().value();
-  ASSERT_FALSE(calibrations.empty());
-  DeviceTime nod_end;
-  const auto events = take.events().value();
-  for (const take::Event& event : events)
-    if (event.kind == "nod") nod_end = event.end;
-  const auto& last = calibrations.back();
-  EXPECT_EQ(last.modality, "imu");
-  EXPECT_GE(last.made, nod_end);
-  const imu::Calibration calibration = imu::parse_calibration(last.json, "take").value();
-  EXPECT_TRUE(calibration.complete);
-  ASSERT_EQ(calibration.sensors.size(), 2U);
-  EXPECT_TRUE(calibration.sensors[0].valid && calibration.sensors[1].valid);
+  const take::LogEntry first = take.entries().value().front();
+  EXPECT_EQ(first.source, session::kPageSource);
+  const auto command = session::parse_command(as_text(first.bytes));
+  ASSERT_TRUE(command) << command.error().message();
+  const auto& steps = std::get<session::Calibrate>(*command).steps;
+  ASSERT_EQ(steps.size(), 3U);
+  for (const take::Event& event : take.events().value())
+    if (event.kind == "nod") {
+      EXPECT_EQ(steps[1].begin, event.begin);
+      EXPECT_EQ(steps[1].end, event.end);
+    }
+  EXPECT_EQ(take.ticks().value().front().after_entry,
+            play(set_stage(request_).value()).value().ticks.front().after_entry + 1);
 }
 
 TEST_F(PerformTake, TheSeedDecidesEverythingButTheDate) {

@@ -88,14 +88,6 @@ TEST_F(WornTogetherTest, EachKindIsAsItIsAlone) {
   EXPECT_TRUE(std::ranges::any_of(both.events, [](const take::Event& e) { return e.kind == "nod"; }));
 }
 
-TEST_F(WornTogetherTest, CalibrationsAreThoseOfTheImus) {
-  const Stage stage = staged(small("imu_headset.toml"));
-  const auto made = stage.worn->calibrations(stage, play(stage).value());
-  ASSERT_FALSE(made.empty());
-  EXPECT_EQ(made.back().modality, "imu");
-  EXPECT_EQ(made.back().id, static_cast<std::int64_t>(made.size()));
-}
-
 TEST_F(WornTogetherTest, WhatBefallsTheCamerasIsToldOnTheImusClock) {
   request_.headset_failure = parse_timed_failure("hand@0.4-0.7").value();
   const VirtualSession session = play(staged(small("imu_headset.toml"))).value();

@@ -2,11 +2,6 @@
 
 #include <cstdint>
 
-#include "mien/eyewear/calibrator.h"
-#include "mien/eyewear/light_grid.h"
-#include "mien/eyewear/normalisation.h"
-#include "mien/sensor/clock_model.h"
-#include "mien/take/session_log.h"
 #include "mien/virtual/eyewear/eyewear_boards.h"
 #include "mien/virtual/eyewear/eyewear_session.h"
 #include "mien/virtual/node.h"
@@ -59,31 +54,6 @@ performer::PrologueNeeds WornEyewear::prologue(const Stage&) const {
 
 Result<Sent> WornEyewear::send(const Stage& stage, const Progress&) const {
   return send_eyewear(stage.motion, wearer_, rig_, faults_, stage.devices);
-}
-
-std::vector<take::CalibrationVersion> WornEyewear::calibrations(const Stage&,
-                                                                const VirtualSession& session) const {
-  eyewear::LightGrid grid(rig_);
-  eyewear::Calibrator calibrator(rig_);
-  for (const take::Event& event : session.events) {
-    if (event.kind == "neutral") calibrator.guide_neutral(event.begin, event.end);
-    if (event.kind == "range") calibrator.guide_range(event.begin, event.end);
-  }
-  std::vector<take::CalibrationVersion> versions;
-  eyewear::GridLight light;
-  sensor::TimeLines lines(rig_.sensors.size(), rig_.find(rig_.reference));
-  for (const auto& step : take::replay_order(session.samples, session.ticks)) {
-    if (step.item != nullptr) {
-      lines.add(step.item->arrival, step.item->sample);
-      grid.add(step.item->sample);
-    }
-    if (step.tick == nullptr) continue;
-    grid.tick(step.tick->frame, lines, light);
-    if (calibrator.add(step.tick->frame, light) == eyewear::Calibrator::Change::none) continue;
-    versions.push_back({static_cast<std::int64_t>(versions.size()) + 1, step.tick->frame, "eyewear",
-                        eyewear::write_normalisation(calibrator.in_force())});
-  }
-  return versions;
 }
 
 Result<std::unique_ptr<NodeDevices>> WornEyewear::on_network(const Stage& stage, const PlayedMotion& motion,

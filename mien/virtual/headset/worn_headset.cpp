@@ -100,10 +100,6 @@ Result<Sent> WornHeadset::send(const Stage& stage, const Progress& progress) con
   return sent;
 }
 
-std::vector<take::CalibrationVersion> WornHeadset::calibrations(const Stage&, const VirtualSession&) const {
-  return {};
-}
-
 Result<std::unique_ptr<NodeDevices>> WornHeadset::on_network(const Stage&, const PlayedMotion&,
                                                              NodeLanguage) const {
   return fail(ErrorCode::bad_usage, "cameras send nothing of themselves, they are asked", rig_.name,

@@ -34,9 +34,6 @@ class WornHeadset final : public WornDevices {
   /// Pictures as datagrams of type 15, each with its JPEG as payload, and the failure as an event.
   /// Errors: WornDevices::send()'s, out_of_range (longer than kLongestS), those of HeadsetBoards.
   [[nodiscard]] Result<Sent> send(const Stage& stage, const Progress& progress) const override;
-  /// None: what is neutral is known by a model's features of it, and no model belongs to a performer.
-  [[nodiscard]] std::vector<take::CalibrationVersion> calibrations(
-      const Stage& stage, const VirtualSession& session) const override;
   [[nodiscard]] bool are_asked() const override { return true; }
   /// Errors: bad_usage, always: cameras send nothing, they are asked.
   [[nodiscard]] Result<std::unique_ptr<NodeDevices>> on_network(const Stage& stage,

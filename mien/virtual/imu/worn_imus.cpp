@@ -6,9 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "mien/imu/pipeline.h"
-#include "mien/sensor/clock_model.h"
-#include "mien/take/session_log.h"
 #include "mien/virtual/imu/imu_node.h"
 #include "mien/virtual/imu/imu_session.h"
 #include "mien/virtual/imu/imu_simulator.h"
@@ -64,44 +61,12 @@ class ImusOnNetwork final : public NodeDevices {
   std::vector<std::unique_ptr<ImuNode>> nodes_;
 };
 
-/// Makes the calibrations that a session's events and samples give, as they come.
-class Calibrating {
- public:
-  explicit Calibrating(const sensor::Rig& rig)
-      : pipeline_(rig), lines_(rig.sensors.size(), rig.find(rig.reference)) {}
-  /// What comes next of the session, whose first part has the events.
-  std::vector<take::CalibrationVersion> add(const VirtualSession& next) {
-    for (const take::Event& event : next.events)
-      if (const auto phase = imu::phase_of(event.kind)) pipeline_.mark(*phase, event.begin, event.end);
-    std::vector<take::CalibrationVersion> versions;
-    for (const auto& step : take::replay_order(next.samples, next.ticks)) {
-      if (step.item != nullptr) {
-        lines_.add(step.item->arrival, step.item->sample);
-        pipeline_.add(step.item->sample);
-      }
-      if (step.tick == nullptr) continue;
-      if (pipeline_.tick(step.tick->frame, lines_, frame_).kind == imu::CalibrationChange::Kind::none)
-        continue;
-      versions.push_back({++made_, step.tick->frame, "imu", imu::write_calibration(pipeline_.calibration())});
-    }
-    return versions;
-  }
-
- private:
-  imu::Pipeline pipeline_;
-  sensor::TimeLines lines_;
-  model::FeatureFrame frame_;
-  std::int64_t made_ = 0;
-};
-
 class ImuStream final : public SessionStream {
  public:
-  ImuStream(const sensor::Rig& rig, StreamedSession session)
-      : session_(std::move(session)), calibrating_(rig) {}
+  explicit ImuStream(StreamedSession session) : session_(std::move(session)) {}
   [[nodiscard]] Result<Stretch> next(const Progress&) override {
     Stretch stretch;
     MIEN_TRY_ASSIGN(stretch.session, session_.next());
-    stretch.calibrations = calibrating_.add(stretch.session);
     stretch.share =
         done() ? 1 : std::clamp(session_.simulated_s() / (session_.duration_s() + kDeviceMarginS), 0.0, 1.0);
     return stretch;
@@ -110,7 +75,6 @@ class ImuStream final : public SessionStream {
 
  private:
   StreamedSession session_;
-  Calibrating calibrating_;
 };
 
 }  // namespace
@@ -124,16 +88,10 @@ Result<Sent> WornImus::send(const Stage& stage, const Progress& progress) const 
   return send_devices(stage.motion, sites_, rig_, faults_, stage.devices, progress);
 }
 
-std::vector<take::CalibrationVersion> WornImus::calibrations(const Stage& stage,
-                                                             const VirtualSession& session) const {
-  if (stage.lab) return {};
-  return Calibrating(rig_).add(session);
-}
-
 Result<std::unique_ptr<SessionStream>> WornImus::stream(const Stage& stage) const {
   MIEN_TRY_ASSIGN(StreamedSession session,
                   StreamedSession::create(rig_, sites_, faults_, long_motion(stage), stage.devices));
-  return std::make_unique<ImuStream>(rig_, std::move(session));
+  return std::make_unique<ImuStream>(std::move(session));
 }
 
 Result<std::unique_ptr<NodeDevices>> WornImus::on_network(const Stage& stage, const PlayedMotion& motion,

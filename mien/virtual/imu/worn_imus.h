@@ -24,9 +24,6 @@ class WornImus final : public WornDevices {
 
   [[nodiscard]] performer::PrologueNeeds prologue(const Stage& stage) const override;
   [[nodiscard]] Result<Sent> send(const Stage& stage, const Progress& progress) const override;
-  /// None in the profile *lab*, where the calibration is the identity.
-  [[nodiscard]] std::vector<take::CalibrationVersion> calibrations(
-      const Stage& stage, const VirtualSession& session) const override;
   /// In the profile *device*.
   [[nodiscard]] bool streams(bool lab) const override { return !lab; }
   [[nodiscard]] Result<std::unique_ptr<SessionStream>> stream(const Stage& stage) const override;

@@ -74,10 +74,6 @@ Result<Sent> WornPhone::send(const Stage& stage, const Progress&) const {
   return sent;
 }
 
-std::vector<take::CalibrationVersion> WornPhone::calibrations(const Stage&, const VirtualSession&) const {
-  return {};
-}
-
 Result<std::unique_ptr<NodeDevices>> WornPhone::on_network(const Stage& stage, const PlayedMotion& motion,
                                                            NodeLanguage) const {
   return std::make_unique<PhoneOnNetwork>(phone_before(stage, faults_), motion);

@@ -23,9 +23,6 @@ class WornPhone final : public WornDevices {
   /// Nothing: it is not calibrated, and performances are the same with it and without.
   [[nodiscard]] performer::PrologueNeeds prologue(const Stage& stage) const override;
   [[nodiscard]] Result<Sent> send(const Stage& stage, const Progress& progress) const override;
-  /// None.
-  [[nodiscard]] std::vector<take::CalibrationVersion> calibrations(
-      const Stage& stage, const VirtualSession& session) const override;
   /// Whatever the boards' language is: to whom it sends is told apart by its id (phone::kLiveLinkDevice).
   [[nodiscard]] Result<std::unique_ptr<NodeDevices>> on_network(const Stage& stage,
                                                                 const PlayedMotion& motion,

@@ -92,11 +92,6 @@ Result<Sent> WornMicrophones::send(const Stage& stage, const Progress&) const {
   return sent;
 }
 
-std::vector<take::CalibrationVersion> WornMicrophones::calibrations(const Stage&,
-                                                                    const VirtualSession&) const {
-  return {};
-}
-
 Result<std::unique_ptr<NodeDevices>> WornMicrophones::on_network(const Stage& stage,
                                                                  const PlayedMotion& motion,
                                                                  NodeLanguage language) const {

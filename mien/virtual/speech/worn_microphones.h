@@ -24,9 +24,6 @@ class WornMicrophones final : public WornDevices {
   /// A moment: there is nothing to calibrate.
   [[nodiscard]] performer::PrologueNeeds prologue(const Stage& stage) const override;
   [[nodiscard]] Result<Sent> send(const Stage& stage, const Progress& progress) const override;
-  /// None.
-  [[nodiscard]] std::vector<take::CalibrationVersion> calibrations(
-      const Stage& stage, const VirtualSession& session) const override;
   [[nodiscard]] Result<std::unique_ptr<NodeDevices>> on_network(const Stage& stage,
                                                                 const PlayedMotion& motion,
                                                                 NodeLanguage language) const override;

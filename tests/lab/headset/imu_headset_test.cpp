@@ -10,6 +10,8 @@
 #include "mien/headset/headset_tracker.h"
 #include "mien/modalities/modalities.h"
 #include "mien/sensor/rig_part.h"
+#include "mien/session/replay.h"
+#include "mien/session/session.h"
 #include "mien/solve/solve.h"
 #include "mien/virtual/perform_take.h"
 #include "tests/folder.h"
@@ -80,8 +82,18 @@ headset::ViewsFile network_with(std::uint64_t seed,
 
 std::vector<OutputFrame> by_cameras_alone(const headset::ViewsFile& file) {
   const sensor::Rig rig = sensor::part_of(worn_take().rig(), "camera");
-  const auto tracker = headset::HeadsetTracker::create(rig, headset::HeadsetModel::create(file).value());
-  return solve::solve_take(worn_take(), **tracker, no_progress)->frames;
+  session::Session::Parts parts;
+  parts.rig = worn_take().rig();
+  parts.trackers.push_back(
+      headset::HeadsetTracker::create(rig, headset::HeadsetModel::create(file).value()).value());
+  parts.protocols = modalities::make_protocols().value();
+  const auto session = session::Session::create(std::move(parts)).value();
+  std::vector<OutputFrame> frames;
+  EXPECT_TRUE(session::replay(worn_take(), *session, [&](const auto&, const OutputFrame& frame) {
+    frames.push_back(frame);
+    return true;
+  }));
+  return frames;
 }
 
 /// Maps of the judgements of mouth and jaw by which the face is seen and the hand is not, of all else it is
@@ -136,8 +148,7 @@ const std::filesystem::path& models() {
 }
 
 TEST(ImuHeadset, EachAnswersItsRegionsAndAHandGivesTheMouthToTheImusAndBack) {
-  const auto tracker = modalities::make_tracker(worn_take().rig(), models()).value();
-  const std::vector<OutputFrame> frames = solve::solve_take(worn_take(), *tracker, no_progress)->frames;
+  const std::vector<OutputFrame> frames = solve::replay_take(worn_take(), models(), no_progress)->frames;
   const std::vector<OutputFrame> cameras = by_cameras_alone(judging_network());
   ASSERT_EQ(frames.size(), cameras.size());
   std::size_t seen = 0, hidden = 0, back = 0;

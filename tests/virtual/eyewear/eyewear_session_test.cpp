@@ -93,14 +93,6 @@ TEST(EyewearSession, TheSameStageGivesTheSameBits) {
   }
 }
 
-TEST(EyewearSession, ThePrologueCalibrates) {
-  const auto versions = stage(performer::PrologueKind::brief)
-                            .worn->calibrations(stage(performer::PrologueKind::brief), session());
-  ASSERT_EQ(versions.size(), 1U);
-  EXPECT_EQ(versions[0].modality, "eyewear");
-  EXPECT_GE(versions[0].made, session().events[0].end);
-}
-
 TEST(EyewearNodes, SayWhatATakeOfTheSamePerformanceHolds) {
   const VirtualSession take = play(stage(performer::PrologueKind::none)).value();
   const auto nodes =

@@ -126,19 +126,6 @@ TEST_F(WornMicrophone, LeavesTheSensorsAsTheyAre) {
   EXPECT_EQ(with.motion_start, without.motion_start);
 }
 
-TEST_F(WornMicrophone, ACalibrationIsThatOfTheSensorsAlone) {
-  const Stage alone = set_stage(with_rig(three_bound() + kFaults)).value();
-  // Numbers of the rig are not those of the sensors' part of it.
-  std::string rig = three_bound();
-  rig.insert(rig.find("[[sensor]]"), kOne);
-  const Stage beside = set_stage(with_rig(rig + kFaults + kMicrophoneFaults)).value();
-  const auto expected = alone.worn->calibrations(alone, play(alone).value());
-  const auto made = beside.worn->calibrations(beside, play(beside).value());
-  ASSERT_FALSE(expected.empty());
-  ASSERT_EQ(made.size(), expected.size());
-  EXPECT_EQ(made.back().modality, "imu");
-}
-
 TEST_F(WornMicrophone, OfTwoEachHasAClockOfItsOwn) {
   const Stage stage =
       set_stage(with_rig(three_bound() + kOne + kOther + kFaults + kMicrophoneFaults)).value();

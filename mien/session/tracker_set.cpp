@@ -1,6 +1,7 @@
-#include "mien/shaping/combined_tracker.h"
+#include "mien/session/tracker_set.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cassert>
@@ -8,8 +9,9 @@
 #include <utility>
 
 #include "mien/core/excerpt.h"
+#include "mien/sensor/rig_part.h"
 
-namespace mien::shaping {
+namespace mien::session {
 namespace {
 
 using nlohmann::json;
@@ -18,12 +20,6 @@ using tracker::CalibrationState;
 constexpr std::uint8_t kNobodys = 0xFF;
 /// A tracker without a sample from any of its sensors for this long counts as absent.
 constexpr Duration kAbsentAfter = std::chrono::seconds(2);
-
-std::vector<std::string> modalities_of(const std::vector<CombinedTracker::Part>& parts) {
-  std::vector<std::string> names;
-  for (const CombinedTracker::Part& part : parts) names.emplace_back(part.tracker->modality());
-  return names;
-}
 
 void append(const tracker::RestOutcome& one, std::optional<tracker::RestOutcome>& all) {
   if (!all) all.emplace();
@@ -37,72 +33,69 @@ void append(const tracker::RestOutcome& one, std::optional<tracker::RestOutcome>
 
 }  // namespace
 
-CombinedTracker::CombinedTracker(std::vector<Part> parts, const ShaperSettings& settings)
-    : modality_(fmt::format("{}", fmt::join(modalities_of(parts), "+"))),
-      merge_(modalities_of(parts), settings.merge, settings.fallback),
-      sure_(settings.merge.sure),
-      sources_(parts.size()) {
-  members_.reserve(parts.size());
-  for (Part& part : parts) {
-    for (const std::uint16_t sensor : part.sensors) {
-      if (sensor >= member_of_.size()) member_of_.resize(sensor + std::size_t{1}, kNobodys);
-      assert(member_of_[sensor] == kNobodys);
+TrackerSet::TrackerSet(const sensor::Rig& rig, std::vector<std::unique_ptr<tracker::Tracker>> trackers)
+    : member_of_(rig.sensors.size(), kNobodys), sources_(trackers.size()) {
+  assert(trackers.size() <= shaping::Merge::kMostSources);
+  members_.reserve(trackers.size());
+  for (std::unique_ptr<tracker::Tracker>& tracker : trackers) {
+    const std::string_view modality = tracker->modality();
+    for (const std::uint16_t sensor : sensor::sensors_of(rig, modality))
       member_of_[sensor] = static_cast<std::uint8_t>(members_.size());
-    }
-    const bool listens = part.tracker->modality() == Merge::kListening;
-    members_.push_back({std::move(part.tracker), std::move(part.sensors), {}, {}, {}, listens});
+    const bool listens = modality == shaping::Merge::kListening;
+    members_.push_back({std::move(tracker), {}, {}, {}, listens});
   }
-  set(settings);
+  modality_ = fmt::format("{}", fmt::join(modalities(), "+"));
 }
 
-CombinedTracker::Member* CombinedTracker::received(HostTime arrival, const sensor::Sample& sample) {
+std::vector<std::string> TrackerSet::modalities() const {
+  std::vector<std::string> names;
+  for (const Member& member : members_) names.emplace_back(member.tracker->modality());
+  return names;
+}
+
+const TrackerSet::Member* TrackerSet::member_with(std::uint16_t sensor) const {
+  if (sensor >= member_of_.size() || member_of_[sensor] == kNobodys) return nullptr;
+  return &members_[member_of_[sensor]];
+}
+
+void TrackerSet::add(HostTime arrival, const sensor::Sample& sample, std::span<const std::byte> payload) {
   newest_ = std::max(newest_, arrival);
-  if (sample.sensor >= member_of_.size() || member_of_[sample.sensor] == kNobodys) return nullptr;
+  if (member_with(sample.sensor) == nullptr) return;
   Member& member = members_[member_of_[sample.sensor]];
   member.received = arrival;
-  return &member;
+  if (payload.empty())
+    member.tracker->add(arrival, sample);
+  else
+    member.tracker->add_with_payload(arrival, sample, payload);
 }
 
-void CombinedTracker::add(HostTime arrival, const sensor::Sample& sample) {
-  if (Member* const member = received(arrival, sample)) member->tracker->add(arrival, sample);
-}
-
-void CombinedTracker::add_with_payload(HostTime arrival, const sensor::Sample& sample,
-                                       std::span<const std::byte> payload) {
-  if (Member* const member = received(arrival, sample))
-    member->tracker->add_with_payload(arrival, sample, payload);
-}
-
-void CombinedTracker::forget(std::uint16_t sensor) {
+void TrackerSet::forget(std::uint16_t sensor) {
   for (Member& member : members_) member.tracker->forget(sensor);
   retiming_.reset();
 }
 
-void CombinedTracker::change_view(std::uint16_t sensor, const sensor::PictureView& view) {
+void TrackerSet::change_view(std::uint16_t sensor, const sensor::PictureView& view) {
   for (Member& member : members_) member.tracker->change_view(sensor, view);
 }
 
-tracker::TickResult CombinedTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
-                                          face::OutputFrame& out) {
-  tracker::TickResult all;
+TrackerSet::Answer TrackerSet::tick(DeviceTime frame, const sensor::TimeLines& lines) {
+  Answer all;
   for (std::size_t i = 0; i < members_.size(); ++i) {
-    tracker::TickResult one = tick(members_[i], frame, lines);
+    Member& member = members_[i];
+    tracker::TickResult one = tick(member, frame, lines);
     if (one.hearing) all.hearing = one.hearing;
     if (one.rested) append(*one.rested, all.rested);
     for (tracker::CalibrationEvent& event : one.calibration) all.calibration.push_back(std::move(event));
-    sources_[i].sensors_present = one.sensors_present;
-    sources_[i].frame = &members_[i].frame;
-    members_[i].explained = one.explained;
-    sources_[i].explained = members_[i].explained ? &*members_[i].explained : nullptr;
+    member.explained = one.explained;
+    sources_[i] = {.frame = &member.frame,
+                   .sensors_present = one.sensors_present,
+                   .explained = member.explained ? &*member.explained : nullptr};
   }
   if (std::exchange(half_restored_, false)) all.calibration.push_back({.modality = modality_});
-  all.sensors_present = merge_.apply(sources_, out);
-  follow_lag(all.hearing ? all.hearing->behind : Duration::zero());
   return all;
 }
 
-tracker::TickResult CombinedTracker::tick(Member& member, DeviceTime frame,
-                                          const sensor::TimeLines& lines) const {
+tracker::TickResult TrackerSet::tick(Member& member, DeviceTime frame, const sensor::TimeLines& lines) const {
   if (!member.listens) return member.tracker->tick(frame, lines, member.frame);
   tracker::TickResult result = member.tracker->tick(frame + retiming_.offset(), lines, member.frame);
   member.frame.time = frame;
@@ -110,11 +103,12 @@ tracker::TickResult CombinedTracker::tick(Member& member, DeviceTime frame,
   return result;
 }
 
-void CombinedTracker::follow_lag(Duration behind) {
+void TrackerSet::follow_lag(Duration behind, float sure) {
   constexpr std::size_t kJaw = face::shape("jawOpen");
+  if (members_.size() < 2) return;
   std::optional<float> heard, sensed;
   bool listens = false;
-  float most = sure_;
+  float most = sure;
   for (const Member& member : members_) {
     if (member.listens) {
       listens = true;
@@ -128,16 +122,22 @@ void CombinedTracker::follow_lag(Duration behind) {
   if (listens) retiming_.push(heard, sensed, behind);
 }
 
-bool CombinedTracker::any_present() const {
+const model::FeatureFrame* TrackerSet::features() const {
+  for (const Member& member : members_)
+    if (const model::FeatureFrame* const features = member.tracker->features()) return features;
+  return nullptr;
+}
+
+bool TrackerSet::any_present() const {
   return std::ranges::any_of(
       members_, [this](const Member& m) { return m.received && newest_ - *m.received <= kAbsentAfter; });
 }
 
-bool CombinedTracker::counts(const Member& member) const {
+bool TrackerSet::counts(const Member& member) const {
   return (member.received && newest_ - *member.received <= kAbsentAfter) || !any_present();
 }
 
-tracker::Guidance CombinedTracker::guidance() const {
+tracker::Guidance TrackerSet::guidance() const {
   tracker::Guidance all{.neutral = {}, .gestures = false};
   for (const Member& member : members_) {
     if (!counts(member)) continue;
@@ -150,39 +150,39 @@ tracker::Guidance CombinedTracker::guidance() const {
   return all;
 }
 
-void CombinedTracker::guide(tracker::Step step, DeviceTime begin, DeviceTime end) {
+void TrackerSet::guide(tracker::Step step, DeviceTime begin, DeviceTime end) {
   for (Member& member : members_) member.tracker->guide(step, begin, end);
 }
 
-void CombinedTracker::guide_range(DeviceTime begin, DeviceTime end) {
+void TrackerSet::guide_range(DeviceTime begin, DeviceTime end) {
   for (Member& member : members_) member.tracker->guide_range(begin, end);
 }
 
-void CombinedTracker::guide_expression(const tracker::PromptedExpression& asked) {
+void TrackerSet::guide_expression(const tracker::PromptedExpression& asked) {
   for (Member& member : members_) member.tracker->guide_expression(asked);
 }
 
-void CombinedTracker::guide_gaze(const face::GazeTarget& target, DeviceTime begin, DeviceTime end) {
+void TrackerSet::guide_gaze(const face::GazeTarget& target, DeviceTime begin, DeviceTime end) {
   for (Member& member : members_) member.tracker->guide_gaze(target, begin, end);
 }
 
-void CombinedTracker::cancel_guidance() {
+void TrackerSet::cancel_guidance() {
   for (Member& member : members_) member.tracker->cancel_guidance();
 }
 
-Duration CombinedTracker::wants_rest() const {
+Duration TrackerSet::wants_rest() const {
   Duration longest{};
   for (const Member& member : members_)
     if (counts(member)) longest = std::max(longest, member.tracker->wants_rest());
   return longest;
 }
 
-void CombinedTracker::rest(DeviceTime begin, DeviceTime end) {
+void TrackerSet::rest(DeviceTime begin, DeviceTime end) {
   for (Member& member : members_)
     if (counts(member) || end <= begin) member.tracker->rest(begin, end);
 }
 
-CalibrationState CombinedTracker::calibration_state() const {
+CalibrationState TrackerSet::calibration_state() const {
   using Phase = CalibrationState::Phase;
   CalibrationState all;
   bool guided = false, done = true;
@@ -198,7 +198,8 @@ CalibrationState CombinedTracker::calibration_state() const {
   return all;
 }
 
-std::string CombinedTracker::calibration() const {
+std::string TrackerSet::calibration() const {
+  if (members_.size() == 1) return members_.front().tracker->calibration();
   json all = json::object();
   for (const Member& member : members_) {
     const std::string one = member.tracker->calibration();
@@ -210,14 +211,15 @@ std::string CombinedTracker::calibration() const {
   return all.empty() ? std::string() : all.dump();
 }
 
-std::vector<sensor::Score> CombinedTracker::scores() const {
+std::vector<sensor::Score> TrackerSet::scores() const {
   std::vector<sensor::Score> all;
   for (const Member& member : members_)
     for (sensor::Score& score : member.tracker->scores()) all.push_back(std::move(score));
   return all;
 }
 
-Result<void> CombinedTracker::restore(std::string_view text) {
+Result<void> TrackerSet::restore(std::string_view text) {
+  if (members_.size() == 1) return members_.front().tracker->restore(text);
   const json all = json::parse(text, nullptr, false);
   if (!all.is_object() || all.empty())
     return fail(ErrorCode::malformed, "not the calibrations of several trackers", "calibration",
@@ -243,28 +245,30 @@ Result<void> CombinedTracker::restore(std::string_view text) {
   return {};
 }
 
-Result<void> CombinedTracker::correct(const model::Correction& correction) {
+Result<void> TrackerSet::correct(const model::Correction& correction) {
+  Result<void> done = fail(ErrorCode::unsupported, "nothing here is corrected for its wearer", "session",
+                           "it takes sensors on the skin and a model such as models/live.safetensors");
   for (Member& member : members_) {
-    const auto done = member.tracker->correct(correction);
-    if (done || done.error().code != ErrorCode::unsupported) return done;
+    done = member.tracker->correct(correction);
+    if (done || done.error().code != ErrorCode::unsupported) break;
   }
-  return Tracker::correct(correction);
+  return done;
 }
 
-std::optional<double> CombinedTracker::heading_sigma_rad(std::uint16_t sensor) const {
-  if (sensor >= member_of_.size() || member_of_[sensor] == kNobodys) return std::nullopt;
-  return members_[member_of_[sensor]].tracker->heading_sigma_rad(sensor);
+std::optional<double> TrackerSet::heading_sigma_rad(std::uint16_t sensor) const {
+  const Member* const member = member_with(sensor);
+  return member != nullptr ? member->tracker->heading_sigma_rad(sensor) : std::nullopt;
 }
 
-std::optional<tracker::SensorCertainty> CombinedTracker::certainty(std::uint16_t sensor) const {
-  if (sensor >= member_of_.size() || member_of_[sensor] == kNobodys) return std::nullopt;
-  return members_[member_of_[sensor]].tracker->certainty(sensor);
+std::optional<tracker::SensorCertainty> TrackerSet::certainty(std::uint16_t sensor) const {
+  const Member* const member = member_with(sensor);
+  return member != nullptr ? member->tracker->certainty(sensor) : std::nullopt;
 }
 
-std::uint64_t CombinedTracker::faults() const {
+std::uint64_t TrackerSet::faults() const {
   std::uint64_t all = 0;
   for (const Member& member : members_) all += member.tracker->faults();
   return all;
 }
 
-}  // namespace mien::shaping
+}  // namespace mien::session
