@@ -72,8 +72,7 @@ Track weights_of(const solve::Solution& solution) {
   return out;
 }
 
-/// What is to be measured of a take, then the same with each step of shaping left out. A take is shaped where
-/// settings or ablations are asked for.
+/// What is to be measured of a take, then the same with each step of shaping left out.
 Result<std::vector<solve::Solution>> solve(const OpenModel& model, const take::Take& take,
                                            const OpenModel::Shaping& shaping,
                                            const std::vector<Ablated>& ablated) {

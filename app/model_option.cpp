@@ -129,7 +129,8 @@ Result<std::vector<solve::Solution>> OpenModel::solve_by_each(const take::Take& 
     Adapted adapted;
     if (const auto* causal = std::get_if<model::ModelFile>(&model_)) model.imu = *causal;
     if (adapt_ && model.imu) {
-      terminal_progress(title)(0, "learning the wearer");
+      const Progress progress = terminal_progress(title);
+      if (!progress(0, "learning the wearer")) return fail(ErrorCode::cancelled, "stopped while solving");
       MIEN_TRY_ASSIGN(adapted, adapt(take, *model.imu));
     }
     for (const Shaping& settings : shaping) {

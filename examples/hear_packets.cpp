@@ -9,6 +9,7 @@
 #include <boost/asio/ip/udp.hpp>
 #include <map>
 
+#include "mien/core/bytes.h"
 #include "mien/core/files.h"
 #include "mien/imu/packets/packet.h"
 #include "mien/modalities/modalities.h"
@@ -18,14 +19,10 @@
 namespace {
 using namespace mien;
 
-/// Hears one datagram, prints its samples, and returns what is to be answered.
-std::span<const std::byte> hear(session::Session& session, HostTime arrival, sensor::Peer peer,
-                                std::span<const std::byte> datagram) {
-  const auto received = session.receive(arrival, peer, datagram);
-  for (const sensor::Sample& sample : received.samples)
+void print(const session::Session& session, HostTime arrival, std::span<const sensor::Sample> samples) {
+  for (const sensor::Sample& sample : samples)
     fmt::print("{:9.4f} s  {:20} {::.3f}\n", to_seconds(arrival.time_since_epoch()),
                session.rig().sensors[sample.sensor].name, sample.used());
-  return received.reply;
 }
 
 /// What the board at the rig's first place would send: gyroscope (rad/s) and accelerometer (m/s^2).
@@ -48,8 +45,10 @@ void receive_from(std::uint16_t port, session::Session& session) {
     const auto datagram = std::span(bytes).first(socket.receive_from(asio::buffer(bytes), from));
     const HostTime arrival(std::chrono::steady_clock::now().time_since_epoch());
     const auto peer = peers.emplace(from, static_cast<sensor::Peer>(peers.size())).first;
-    const auto reply = hear(session, arrival, peer->second, datagram);
-    if (!reply.empty()) socket.send_to(asio::buffer(reply.data(), reply.size()), from);  // To a hello.
+    const auto received = session.receive(arrival, peer->second, datagram);
+    print(session, arrival, received.samples);
+    if (!received.reply.empty())  // To a hello.
+      socket.send_to(asio::buffer(received.reply.data(), received.reply.size()), from);
   }
 }
 
@@ -69,7 +68,11 @@ Result<void> run(const std::string& source) {
   if (!source.empty() && !recorded) receive_from(static_cast<std::uint16_t>(std::stoi(source)), *session);
   session::Peers peers;
   for (const take::LogEntry& entry : log)
-    hear(*session, entry.arrival, peers.of(entry.source).peer, entry.bytes);
+    if (entry.source == session::kPageSource)  // It binds a board to another place, say.
+      static_cast<void>(session->command(entry.arrival, as_text(entry.bytes)));
+    else
+      print(*session, entry.arrival,
+            session->receive_logged(entry.arrival, peers.of(entry.source), entry.bytes, {}).samples);
   return {};
 }
 }  // namespace

@@ -137,8 +137,8 @@ Result<Shape> shape_of(const json& object) {
 /// By the numbers of Calibrate::Kind.
 constexpr std::array<std::string_view, 4> kCalibrationKinds = {"short", "full", "wearer", "gaze"};
 
-/// Steps of one command: a prologue has a few, and a target of gaze each.
-constexpr std::size_t kMostSteps = 64;
+/// As far from 0 as a take's times may lie, ns.
+constexpr std::int64_t kFarthestNs = std::int64_t{1} << 58U;
 
 json write_step(const Calibrate::GivenStep& given) {
   json out = {{"step", given.range             ? "range"
@@ -161,12 +161,15 @@ Result<Calibrate::GivenStep> step_of(const json& object) {
   const auto time = [&object](const char* key) -> std::optional<DeviceTime> {
     const auto found = object.find(key);
     if (found == object.end() || !found->is_number_integer()) return std::nullopt;
-    return DeviceTime(Duration(found->get<std::int64_t>()));
+    if (found->is_number_unsigned() && found->get<std::uint64_t>() > std::uint64_t{kFarthestNs})
+      return std::nullopt;
+    const auto ns = found->get<std::int64_t>();
+    return ns < -kFarthestNs ? std::nullopt : std::optional(DeviceTime(Duration(ns)));
   };
   const auto begin = time("begin_ns"), end = time("end_ns");
   if (!begin || !end || *end <= *begin)
     return fail(ErrorCode::malformed, fmt::format("the step {} has no begin_ns and later end_ns", name),
-                kCommand, "give both as whole nanoseconds of the frames' clock");
+                kCommand, "give both as whole nanoseconds of the frames' clock, within 2^58");
   given.begin = *begin;
   given.end = *end;
   return given;
@@ -175,9 +178,11 @@ Result<Calibrate::GivenStep> step_of(const json& object) {
 Result<Calibrate> calibrate_of(const json& object) {
   Calibrate command;
   if (const auto steps = object.find("steps"); steps != object.end()) {
-    if (!steps->is_array() || steps->empty() || steps->size() > kMostSteps)
-      return fail(ErrorCode::malformed, fmt::format("\"steps\" is no list of 1 to {} steps", kMostSteps),
-                  kCommand);
+    if (!steps->is_array() || steps->empty() || steps->size() > Calibrate::kMostSteps)
+      return fail(ErrorCode::malformed,
+                  fmt::format("\"steps\" is no list of 1 to {} steps", Calibrate::kMostSteps), kCommand);
+    if (object.contains("kind"))
+      return fail(ErrorCode::malformed, "a calibration has \"kind\" and \"steps\"", kCommand, "give one");
     for (const json& step : *steps) {
       MIEN_TRY_ASSIGN(const Calibrate::GivenStep given, step_of(step));
       if (!command.steps.empty() && given.begin < command.steps.back().begin)

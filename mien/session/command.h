@@ -39,8 +39,10 @@ struct Calibrate {
     const face::GazeTarget* look = nullptr;  ///< The eyes rest on this target.
     DeviceTime begin, end;
   };
-  /// Ascending by `begin`, all in the future. With steps the session leads nobody: it follows them.
+  /// At most kMostSteps, ascending by `begin`, all in the future. With steps the session leads nobody: it
+  /// follows them, and `kind` has no meaning.
   std::vector<GivenStep> steps;
+  static constexpr std::size_t kMostSteps = 1024;
 };
 struct CancelCalibration {};
 /// Puts a version in force that the session made before.

@@ -118,7 +118,7 @@ bool Guide::after(const face::OutputFrame& frame) {
     }
     response_[i] = std::max(response_[i], sum / asked);
   }
-  if (frame.time < parts_.back().end) return false;
+  if (frame.time < std::ranges::max_element(parts_, {}, &Part::end)->end) return false;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     if (!parts_[i].scored) continue;
     const bool seen = response_[i] >= kMinResponse;

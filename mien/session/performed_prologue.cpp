@@ -28,11 +28,13 @@ std::optional<Calibrate> performed_prologue(std::span<const take::Event> events)
                                      .end = event.end};
     if (given.step != tracker::Step::none && is_sessions_own(event)) return std::nullopt;
     const bool is_step = given.step != tracker::Step::none || given.range || given.look != nullptr;
-    if (is_step && event.end > event.begin) command.steps.push_back(given);
+    if (!is_step || event.end <= event.begin) continue;
+    command.steps.push_back(given);
     rests = rests || given.step == tracker::Step::neutral;
   }
   if (!rests) return std::nullopt;
   std::ranges::stable_sort(command.steps, {}, &Calibrate::GivenStep::begin);
+  if (command.steps.size() > Calibrate::kMostSteps) command.steps.resize(Calibrate::kMostSteps);
   return command;
 }
 

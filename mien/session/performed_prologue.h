@@ -13,7 +13,7 @@ namespace mien::session {
 /// The calibration that a performance begins with, as the command of a session's log: its steps are the
 /// events "neutral", "nod", "shake", "range" and "gaze" that a virtual performer or an import wrote. None
 /// without a "neutral", and none where a session made the calibration (events with "found" or "guided" among
-/// their details): its log has what led to it.
+/// their details): its log has what led to it. Beyond Calibrate::kMostSteps the later steps are left out.
 [[nodiscard]] std::optional<Calibrate> performed_prologue(std::span<const take::Event> events);
 
 /// Begins a take's log with that command, where there is one; before the take's other entries. Returns how

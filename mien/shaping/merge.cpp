@@ -60,7 +60,7 @@ std::array<MergeSettings::Order, kMergePlaceCount> MergeSettings::default_order(
 Merge::Merge(std::vector<std::string> modalities, const MergeSettings& settings,
              const FallbackSettings& times)
     : modalities_(std::move(modalities)), history_(modalities_.size()) {
-  assert(!modalities_.empty() && modalities_.size() <= kMostSources);
+  assert(modalities_.size() <= kMostSources);
   for (const std::string& modality : modalities_) listens_.push_back(modality == kListening ? 1 : 0);
   set(settings, times);
   reset();
@@ -266,7 +266,7 @@ void Merge::change_hands(std::size_t part, const History& next, const OutputFram
 }
 
 std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
-  assert(sources.size() == modalities_.size());
+  assert(!sources.empty() && sources.size() == modalities_.size());
   if (!on_) {
     out = *sources.front().frame;
     return sources.front().sensors_present;

@@ -65,7 +65,8 @@ class Merge {
     const tracker::Explained* explained = nullptr;
   };
 
-  /// `modalities`: names of the sources of every apply, in their order; 1 to kMostSources.
+  /// `modalities`: names of the sources of every apply, in their order; at most kMostSources, and none only
+  /// where nothing is applied.
   explicit Merge(std::vector<std::string> modalities, const MergeSettings& settings = {},
                  const FallbackSettings& times = {});
   static constexpr std::size_t kMostSources = 8;

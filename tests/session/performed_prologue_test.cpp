@@ -58,7 +58,10 @@ TEST(PerformedPrologue, StepsThatAreNoneAreRefused) {
       R"({"command": "calibrate", "steps": [{"step": "nod", "begin_ns": 2, "end_ns": 2}]})",
       R"({"command": "calibrate", "steps": [{"step": "nod", "begin_ns": 0.5, "end_ns": 2}]})",
       R"({"command": "calibrate", "steps": [{"step": "nod", "begin_ns": 5, "end_ns": 9},
-                                            {"step": "shake", "begin_ns": 1, "end_ns": 2}]})"};
+                                            {"step": "shake", "begin_ns": 1, "end_ns": 2}]})",
+      R"({"command": "calibrate", "kind": "full", "steps": [{"step": "nod", "begin_ns": 1, "end_ns": 2}]})",
+      R"({"command": "calibrate", "steps": [{"step": "nod", "begin_ns": 1, "end_ns": 18446744073709551615}]})",
+      R"({"command": "calibrate", "steps": [{"step": "nod", "begin_ns": -9223372036854775808, "end_ns": 2}]})"};
   for (const char* const json : kWrong) EXPECT_FALSE(parse_command(json)) << json;
 }
 
@@ -70,6 +73,17 @@ TEST(PerformedPrologue, ASessionsOwnCalibrationIsNone) {
   events[0].json = R"({"guided": true})";
   EXPECT_FALSE(performed_prologue(events));
   EXPECT_FALSE(performed_prologue({{kPrologue[4]}})) << "targets alone are of a calibration that failed";
+}
+
+TEST(PerformedPrologue, OfVeryManyStepsTheFirstAreACommandThatIsReadBack) {
+  std::vector<take::Event> events;
+  for (int i = 0; i < 1500; ++i) events.push_back(event("neutral", 10 * i, 10 * i + 5));
+  const auto command = performed_prologue(events);
+  ASSERT_TRUE(command);
+  EXPECT_EQ(command->steps.size(), Calibrate::kMostSteps);
+  EXPECT_TRUE(parse_command(write_command(*command)));
+  events.assign(1, event("neutral", 5, 5));
+  EXPECT_FALSE(performed_prologue(events)) << "it has no length";
 }
 
 TEST(PerformedPrologue, CalibratesASessionThatFollowsIt) {

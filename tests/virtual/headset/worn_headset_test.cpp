@@ -11,6 +11,7 @@
 #include "mien/core/files.h"
 #include "mien/headset/picture_decoder.h"
 #include "mien/headset/picture_packet.h"
+#include "mien/session/command.h"
 #include "mien/virtual/node.h"
 #include "mien/virtual/node_group.h"
 #include "mien/virtual/perform_take.h"
@@ -190,7 +191,9 @@ TEST_F(WornHeadsetTest, ATakeHoldsPicturesAndTruth) {
   const PerformSummary summary = perform_take(request, no_progress).value();
   const take::Take take = take::Take::open(request.take).value();
   EXPECT_TRUE(take.check());
-  const std::vector<take::LogEntry> entries = take.entries().value();
+  std::vector<take::LogEntry> entries = take.entries().value();
+  EXPECT_EQ(entries.front().source, session::kPageSource) << "the calibration's command";
+  entries.erase(entries.begin());
   EXPECT_EQ(entries.size(), summary.packets);
   EXPECT_NEAR(static_cast<double>(entries.size()), 40 * (summary.duration_s + 0.5), 12);
   take::PayloadReader payloads = take.payloads().value();
