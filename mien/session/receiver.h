@@ -97,7 +97,7 @@ class Receiver {
   /// One datagram. Take all that due() gives before it, and again after it.
   Received receive(HostTime arrival, Sender sender, std::span<const std::byte> datagram,
                    SampleConsumer& consumer) {
-    return receive_logged(arrival, sender, datagram, {}, consumer);
+    return receive(arrival, sender, datagram, std::span<const std::byte>(), consumer);
   }
   /// One datagram of a device with a raw payload beside it (empty: none), which is reduced where the
   /// datagram's protocol has a reducer. A payload of more than sensor::kMaxPayload bytes, or one that its

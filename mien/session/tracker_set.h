@@ -79,7 +79,8 @@ class TrackerSet {
   void rest(DeviceTime begin, DeviceTime end);
   /// Guided while any is; done when all are; step and hint of the first that has one.
   [[nodiscard]] tracker::CalibrationState calibration_state() const;
-  /// Calibrations in force: a lone tracker's own, of several {"imu": {...}, "eyewear": {...}}; empty for none.
+  /// Calibrations in force: a lone tracker's own, of several {"imu": {...}, "eyewear": {...}}; empty for
+  /// none.
   [[nodiscard]] std::string calibration() const;
   [[nodiscard]] std::vector<sensor::Score> scores() const;
   /// Trackers that the text does not name keep theirs. On an error the trackers already changed are restored,

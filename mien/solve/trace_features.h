@@ -22,8 +22,8 @@ namespace mien::solve {
     const imu::PipelineSettings& settings = imu::ImuTracker::live_settings());
 
 /// The same of a take, recorded or performed: as its session had them. Where a recorded take's models are not
-/// installed its guided calibrations are those that IMUs alone ask for. Errors also: the take's; not_found (no
-/// frames).
+/// installed its guided calibrations are those that IMUs alone ask for. Errors also: the take's; not_found
+/// (no frames).
 [[nodiscard]] Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take);
 
 /// Names of the entries of such features: the face's IMUs, whatever else the rig has; empty: it has none.

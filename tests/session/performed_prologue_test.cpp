@@ -16,10 +16,12 @@ take::Event event(const char* kind, int begin, int end, std::string json = {}) {
   return {kind, DeviceTime(frame_offset(begin)), DeviceTime(frame_offset(end)), std::move(json)};
 }
 
-const std::vector<take::Event> kPrologue = {
-    event("neutral", 10, 100), event("nod", 100, 200), event("prompt", 200, 260, R"({"name": "smile"})"),
-    event("range", 200, 300), event("gaze", 320, 400, gaze_event_json(face::gaze_targets()[1])),
-    event("ease", 400, 430)};
+const std::vector<take::Event> kPrologue = {event("neutral", 10, 100),
+                                            event("nod", 100, 200),
+                                            event("prompt", 200, 260, R"({"name": "smile"})"),
+                                            event("range", 200, 300),
+                                            event("gaze", 320, 400, gaze_event_json(face::gaze_targets()[1])),
+                                            event("ease", 400, 430)};
 
 TEST(PerformedPrologue, IsTheStepsOfThePerformancesEvents) {
   const auto command = performed_prologue(kPrologue);
@@ -90,10 +92,11 @@ TEST(PerformedPrologue, CalibratesASessionThatFollowsIt) {
   const virt::VirtualSession performed = test::performance(2);
   const auto with = test::session();
   std::size_t frames = 0;
-  ASSERT_TRUE(replay(performed.events, performed.entries, performed.ticks, *with, [&](const auto&, const auto&) {
-    ++frames;
-    return true;
-  }));
+  ASSERT_TRUE(
+      replay(performed.events, performed.entries, performed.ticks, *with, [&](const auto&, const auto&) {
+        ++frames;
+        return true;
+      }));
   EXPECT_EQ(frames, performed.ticks.size());
   ASSERT_FALSE(with->versions().empty());
   EXPECT_EQ(with->versions().front().origin, "guided");
@@ -126,7 +129,8 @@ TEST(PerformedPrologue, TakesWithAndWithoutItInTheirLogAreReplayedAlike) {
     }
     ASSERT_TRUE(writer.finish());
     const auto replayed = test::session();
-    ASSERT_TRUE(replay(take::Take::open(path).value(), *replayed, [](const auto&, const auto&) { return true; }));
+    ASSERT_TRUE(
+        replay(take::Take::open(path).value(), *replayed, [](const auto&, const auto&) { return true; }));
     EXPECT_FALSE(replayed->versions().empty());
     hashes.push_back(replayed->hash());
   }

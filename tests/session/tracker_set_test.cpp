@@ -12,13 +12,13 @@ namespace {
 
 using face::OutputFrame;
 using face::Provenance;
-using tracker::CalibrationState;
 using shaping::frame_time;
 using shaping::measured;
 using shaping::Merge;
 using shaping::MergePlace;
 using shaping::same_bits;
 using shaping::ShaperSettings;
+using tracker::CalibrationState;
 using tracker::Step;
 using Phase = CalibrationState::Phase;
 
@@ -261,7 +261,9 @@ TEST(TrackerSet, TrackersAreComparedByWhatTheyExplain) {
 }
 
 TEST(TrackerSet, ALoneTrackerIsThatTracker) {
-  Stage stage({"imu"});
+  ShaperSettings unshaped;
+  unshaped.off.set();
+  Stage stage({"imu"}, unshaped);
   EXPECT_EQ(stage.set.modality(), "imu");
   stage.imu->made = "its own words";
   EXPECT_EQ(stage.set.calibration(), "its own words");

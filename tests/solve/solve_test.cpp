@@ -47,7 +47,8 @@ TEST(Solve, IsTheSameEachTimeAndTheStoredSamplesAreThoseOfTheLog) {
     const auto receiving = modalities::make_receiving_session(take.rig()).value();
     std::vector<sensor::Sample> received;
     session::Peers peers;
-    for (const take::LogEntry& entry : take.entries().value()) {
+    const std::vector<take::LogEntry> entries = take.entries().value();
+    for (const take::LogEntry& entry : entries) {
       const auto samples =
           receiving->receive_logged(entry.arrival, peers.of(entry.source), entry.bytes, {}).samples;
       received.insert(received.end(), samples.begin(), samples.end());

@@ -80,8 +80,7 @@ TEST(TraceFeatures, OfARecordedTakeAreThoseOfItsSessionWhateverItWasGuidedThroug
   request.prologue = performer::PrologueKind::guided;
   const virt::Stage stage = virt::set_stage(request).value();
   const virt::VirtualSession performed = virt::play(stage).value();
-  const auto session =
-      modalities::make_session(stage.rig, project_path("models/live.safetensors")).value();
+  const auto session = modalities::make_session(stage.rig, project_path("models/live.safetensors")).value();
 
   const mien::test::Folder folder;
   const auto path = folder / "recorded.mien";

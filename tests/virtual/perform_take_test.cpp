@@ -81,7 +81,8 @@ TEST_F(PerformTake, TheLogBeginsWithTheCalibrationAsASessionsDoes) {
   ASSERT_TRUE(command) << command.error().message();
   const auto& steps = std::get<session::Calibrate>(*command).steps;
   ASSERT_EQ(steps.size(), 3U);
-  for (const take::Event& event : take.events().value())
+  const std::vector<take::Event> events = take.events().value();
+  for (const take::Event& event : events)
     if (event.kind == "nod") {
       EXPECT_EQ(steps[1].begin, event.begin);
       EXPECT_EQ(steps[1].end, event.end);
@@ -150,7 +151,8 @@ TEST_F(PerformTake, AMisplacedSensorFeelsAnotherPatchOfSkin) {
     EXPECT_TRUE(write_file(request_.devices, faults));
     EXPECT_TRUE(perform_take(request_, no_progress));
     std::vector<float> all;
-    for (const take::StoredSample& stored : take::Take::open(request_.take).value().samples().value())
+    const auto performed = take::Take::open(request_.take).value().samples().value();
+    for (const take::StoredSample& stored : performed)
       all.insert(all.end(), stored.sample.values.begin(), stored.sample.values.begin() + 3);
     return all;
   };
@@ -261,7 +263,8 @@ TEST_F(PerformTake, HoldsTheSoundFromTheMotionsStart) {
     EXPECT_EQ(audio->rate_hz, 16000);
     EXPECT_EQ(audio->samples, request_.sound->samples);
     // The first frame that counts is the motion's first, to a frame.
-    for (const take::TruthFrame& frame : take.truth().value())
+    const std::vector<take::TruthFrame> truth = take.truth().value();
+    for (const take::TruthFrame& frame : truth)
       if (frame.evaluated) {
         EXPECT_NEAR(to_seconds(frame.time - audio->start), 0, 1.0 / 60);
         break;
