@@ -8,6 +8,7 @@
 namespace mien::lab {
 namespace {
 
+constexpr const char* kSensorsTitle = "Markers from photo-reflective eyewear";
 constexpr std::size_t kCurvePoints = 6000;  // Enough to zoom into.
 
 std::string mm(double value) {
@@ -15,13 +16,19 @@ std::string mm(double value) {
 }
 
 std::vector<std::string> cells(const std::string& name, const SensorsRow& row) {
-  return {name, mm(row.all.mean_mm), mm(row.all.rmse_mm), mm(row.eyes_nose.mean_mm), mm(row.mouth.mean_mm)};
+  std::vector<std::string> out = cells_of(row, sensors_columns());
+  out.insert(out.begin(), name);
+  return out;
+}
+
+measure::Table sensors_table(std::string caption) {
+  measure::Table table = table_of(std::move(caption), {}, sensors_columns());
+  table.columns.insert(table.columns.begin(), "");
+  return table;
 }
 
 measure::Table overview(const SensorsStudy& study) {
-  measure::Table table;
-  table.caption = "Error of the markers, mm, beside the published one";
-  table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
+  measure::Table table = sensors_table("Error of the markers, mm, beside the published one");
   for (const SensorsMethod* method : {&study.faithful, &study.faithful16}) {
     const PublishedSensors& published = method == &study.faithful ? kPublished20 : kPublished16;
     table.rows.push_back(
@@ -35,26 +42,24 @@ measure::Table overview(const SensorsStudy& study) {
 }
 
 measure::Table minute_table(const MinuteStudy& minute) {
-  measure::Table table;
-  table.caption = "After one minute of the wearer's own, without motion capture but for \"linear\", mm";
-  table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
+  measure::Table table =
+      sensors_table("After one minute of the wearer's own, without motion capture but for \"linear\", mm");
   for (const auto* methods : {&minute.methods, &minute.conditions})
-    for (const SensorsMethod& method : *methods) table.rows.push_back(cells(method.name, method.overall));
+    for (const SensorsMethod& method : *methods)
+      table.rows.push_back(cells(fmt::format("{}, {} sensors", method.name, method.sensors), method.overall));
   table.strong_rows = {2};
   return table;
 }
 
 measure::Table wearers(const SensorsStudy& study) {
-  measure::Table table;
-  table.caption = "By wearer and by expressions, all sensors, mm";
-  table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
+  measure::Table table = sensors_table("By wearer and by expressions, all sensors, mm");
   for (std::size_t w = 0; w < study.faithful.wearers.size(); ++w)
     table.rows.push_back(cells(fmt::format("wearer {}: {} of {} samples rejected", w + 1,
                                            study.training[w].outliers, study.training[w].samples),
                                study.faithful.wearers[w]));
   for (std::size_t s = 0; s < kTestSets; ++s)
-    table.rows.push_back(
-        cells(fmt::format("set {}", test_set_name(static_cast<TestSet>(s))), study.faithful.sets[s]));
+    table.rows.push_back(cells(fmt::format("set {}", sensors_test_set_name(static_cast<SensorsTestSet>(s))),
+                               study.faithful.sets[s]));
   return table;
 }
 
@@ -89,9 +94,33 @@ measure::LinePlot curve(const SensorsStudy& study) {
 
 }  // namespace
 
+const Columns<SensorsRow>& sensors_columns() {
+  static const Columns<SensorsRow> columns = {
+      {"mean_mm", "mean", "{:.2f}", [](const SensorsRow& row) { return row.all.mean_mm; }},
+      {"rmse_mm", "RMSE", "{:.2f}", [](const SensorsRow& row) { return row.all.rmse_mm; }},
+      {"eyes_mm", "eyes, nose", "{:.2f}", [](const SensorsRow& row) { return row.eyes_nose.mean_mm; }},
+      {"mouth_mm", "mouth", "{:.2f}", [](const SensorsRow& row) { return row.mouth.mean_mm; }},
+      {"eyes_rmse_mm", "", "", [](const SensorsRow& row) { return row.eyes_nose.rmse_mm; }},
+      {"mouth_rmse_mm", "", "", [](const SensorsRow& row) { return row.mouth.rmse_mm; }}};
+  return columns;
+}
+
+measure::Report minute_report(const MinuteStudy& minute, const std::vector<std::string>& motions,
+                              const std::string& subtitle) {
+  measure::Report report(kSensorsTitle, subtitle);
+  report.table(minute_table(minute));
+  for (std::size_t m = 0; m < motions.size(); ++m) {
+    measure::Table table = sensors_table(motions[m] + ", mm");
+    for (const SensorsMethod& method : minute.methods)
+      table.rows.push_back(cells(method.name, method.tests[m]));
+    report.table(table);
+  }
+  return report;
+}
+
 Result<measure::Report> sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
                                        const std::string& subtitle, const render::Image& picture) {
-  measure::Report report("Markers from photo-reflective eyewear", subtitle);
+  measure::Report report(kSensorsTitle, subtitle);
   report.key_figures({{"Mean error", mm(study.faithful.overall.all.mean_mm) + " mm",
                        fmt::format("published {} mm", mm(kPublished20.mean_mm))},
                       {"Eyes and nose", mm(study.faithful.overall.eyes_nose.mean_mm) + " mm",
@@ -107,10 +136,15 @@ Result<measure::Report> sensors_report(const SensorsStudy& study, const MinuteSt
   }
   report.bars(by_marker(study, minute));
   measure::Table names;
-  names.caption = "Markers by number";
-  names.columns = {"", "marker"};
-  for (std::size_t m = 0; m < study.markers.size(); ++m)
-    names.rows.push_back({fmt::format("{}", m + 1), study.markers[m]});
+  names.caption = "Markers by number, mean error, mm";
+  names.columns = {"", "marker", "published method", "without the ear hooks", "mean pose", "learned"};
+  for (std::size_t m = 0; m < study.markers.size(); ++m) {
+    std::vector<std::string>& row = names.rows.emplace_back();
+    row = {fmt::format("{}", m + 1), study.markers[m]};
+    for (const SensorsMethod* method :
+         {&study.faithful, &study.faithful16, &study.mean_pose, &minute.learned()})
+      row.push_back(mm(method->markers[m].mean_mm));
+  }
   report.plot(curve(study));
   report.table(wearers(study));
   report.table(names);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "lab/columns.h"
 #include "lab/eyewear/minute_study.h"
 #include "lab/eyewear/sensors_study.h"
 #include "mien/measure/report.h"
@@ -17,6 +19,14 @@ struct PublishedSensors {
 };
 inline constexpr PublishedSensors kPublished20{3.19, 1.81, 5.21};
 inline constexpr PublishedSensors kPublished16{3.95, 1.89, 6.97};
+
+/// The figures of a row.
+[[nodiscard]] const Columns<SensorsRow>& sensors_columns();
+
+/// The learned method alone, over all tests and in each of `motions`, which are the scene's.
+[[nodiscard]] measure::Report minute_report(const MinuteStudy& minute,
+                                            const std::vector<std::string>& motions,
+                                            const std::string& subtitle);
 
 /// The study as one page: beside the published figures, by region, wearer, set and marker, as colour on the
 /// face, and the error as it goes on through the tests. `subtitle` says whose numbers these are, `picture` is

@@ -27,20 +27,20 @@ std::array<performer::Pose, 6> asymmetric_poses() {
 
 }  // namespace
 
-std::string_view test_set_name(TestSet set) {
+std::string_view sensors_test_set_name(SensorsTestSet set) {
   constexpr std::array<std::string_view, kTestSets> kNames = {"neutral", "A", "B", "C"};
   return kNames[static_cast<std::size_t>(set)];
 }
 
 std::vector<SensorsTest> make_sensors_tests(const virt::MarkerPoses& poses, Random random) {
-  std::vector<SensorsTest> tests = {{TestSet::neutral, {}}};
-  for (int i = 0; i < 6; ++i) tests.push_back({TestSet::components, poses.draw(random)});
+  std::vector<SensorsTest> tests = {{SensorsTestSet::neutral, {}}};
+  for (int i = 0; i < 6; ++i) tests.push_back({SensorsTestSet::components, poses.draw(random)});
   for (const performer::Emotion emotion :
        {performer::Emotion::joy, performer::Emotion::disgust, performer::Emotion::anger,
         performer::Emotion::surprise, performer::Emotion::fear, performer::Emotion::sadness})
-    tests.push_back({TestSet::universal, weights_of(performer::emotion_expression(emotion).pose)});
+    tests.push_back({SensorsTestSet::universal, weights_of(performer::emotion_expression(emotion).pose)});
   for (const performer::Pose& pose : asymmetric_poses())
-    tests.push_back({TestSet::asymmetric, weights_of(pose)});
+    tests.push_back({SensorsTestSet::asymmetric, weights_of(pose)});
   return tests;
 }
 

@@ -13,14 +13,14 @@ namespace mien::lab {
 
 /// The kinds of test expressions of Asano et al. 2017, section 5.1: neutral, (A) poses of the six components,
 /// (B) the six universal expressions, (C) asymmetric ones.
-enum class TestSet : std::uint8_t { neutral, components, universal, asymmetric };
+enum class SensorsTestSet : std::uint8_t { neutral, components, universal, asymmetric };
 inline constexpr std::size_t kTestSets = 4;
 /// "neutral", "A", "B", "C".
-[[nodiscard]] std::string_view test_set_name(TestSet set);
+[[nodiscard]] std::string_view sensors_test_set_name(SensorsTestSet set);
 
 /// One expression that a wearer is to make.
 struct SensorsTest {
-  TestSet set = TestSet::neutral;
+  SensorsTestSet set = SensorsTestSet::neutral;
   face::BlendshapeWeights target;
 };
 inline constexpr std::size_t kTests = 19;

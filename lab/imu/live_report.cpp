@@ -27,21 +27,21 @@ const std::array<Group, 5>& groups() {
   return all;
 }
 
-struct Column {
+struct LiveColumn {
   Measure measure;
   const char* head;
   int decimals;
 };
-constexpr std::array<Column, kMeasureCount> kColumns = {{{Measure::pve, "PVE, mm", 3},
-                                                         {Measure::pve_face, "PVE face, mm", 3},
-                                                         {Measure::landmarks, "landmarks, mm", 3},
-                                                         {Measure::mse, "MSE", 4},
-                                                         {Measure::mse_observed, "MSE of 42", 4},
-                                                         {Measure::jitter, "jitter", 2},
-                                                         {Measure::blinks, "blink F1", 2}}};
+constexpr std::array<LiveColumn, kMeasureCount> kColumns = {{{Measure::pve, "PVE, mm", 3},
+                                                             {Measure::pve_face, "PVE face, mm", 3},
+                                                             {Measure::landmarks, "landmarks, mm", 3},
+                                                             {Measure::mse, "MSE", 4},
+                                                             {Measure::mse_observed, "MSE of 42", 4},
+                                                             {Measure::jitter, "jitter", 2},
+                                                             {Measure::blinks, "blink F1", 2}}};
 
 /// "0.70 ± 0.14"; of one performer the figure alone.
-std::string figure(const LiveMethod& method, const Column& column) {
+std::string figure(const LiveMethod& method, const LiveColumn& column) {
   const std::optional<measure::MeanStd> value = method.over(column.measure);
   if (!value) return "-";
   if (method.performers.size() < 2) return fmt::format("{:.{}f}", value->mean, column.decimals);
@@ -91,7 +91,7 @@ measure::Table live_table(const LiveSet& set) {
   measure::Table table;
   table.caption = set.who;
   table.columns.emplace_back("");
-  for (const Column& column : kColumns) table.columns.emplace_back(column.head);
+  for (const LiveColumn& column : kColumns) table.columns.emplace_back(column.head);
   for (const LiveRow& row : set.rows) {
     table.strong_rows.push_back(table.rows.size());
     table.rows.push_back({fmt::format(
@@ -101,7 +101,7 @@ measure::Table live_table(const LiveSet& set) {
     for (const LiveMethod& method : row.methods) {
       std::vector<std::string>& cells = table.rows.emplace_back();
       cells.push_back(method.name);
-      for (const Column& column : kColumns) cells.push_back(figure(method, column));
+      for (const LiveColumn& column : kColumns) cells.push_back(figure(method, column));
     }
   }
   return table;

@@ -53,25 +53,26 @@ measure::BarPlot sensors(const LossStudy& study) {
   return plot;
 }
 
-measure::Table conditions(const LossStudy& study) {
-  measure::Table table;
-  table.caption = "Every condition, on the same performances";
-  table.columns = {"",        "MSE",         "rise, %",     "given up, %",  "MSE of 42",
-                   "PVE, mm", "observed, %", "rotation, °", "largest step", "truth's",
-                   "unsound", "mistold"};
-  for (const LossRow& row : study.rows)
-    table.rows.push_back({row.condition.name(), fmt::format("{:.5f}", row.mse),
-                          fmt::format("{:+.1f}", 100 * row.rise), fmt::format("{:+.1f}", 100 * row.given_up),
-                          fmt::format("{:.5f}", row.mse_observed), fmt::format("{:.3f}", row.pve_mm),
-                          fmt::format("{:.1f}", 100 * row.observed),
-                          fmt::format("{:.1f}", row.rotation_rms_deg),
-                          fmt::format("{:.3f}", row.largest_step), fmt::format("{:.3f}", row.truth_step),
-                          fmt::format("{}", row.unsound), fmt::format("{}", row.mistold)});
-  table.strong_rows = {0};
-  return table;
-}
-
 }  // namespace
+
+const Columns<LossRow>& loss_columns() {
+  static const Columns<LossRow> columns = {
+      {"condition", "", "{}", [](const LossRow& row) { return row.condition.name(); }},
+      {"frames", "", "", &LossRow::frames},
+      {"mse", "MSE", "{:.5f}", &LossRow::mse},
+      {"rise", "rise, %", "{:+.1f}", &LossRow::rise, 100},
+      {"given_up", "given up, %", "{:+.1f}", &LossRow::given_up, 100},
+      {"mse_observed", "MSE of 42", "{:.5f}", &LossRow::mse_observed},
+      {"pve_mm", "PVE, mm", "{:.3f}", &LossRow::pve_mm},
+      {"observed", "observed, %", "{:.1f}", &LossRow::observed, 100},
+      {"rotation_rms_deg", "rotation, °", "{:.1f}", &LossRow::rotation_rms_deg},
+      {"largest_step", "largest step", "{:.3f}", &LossRow::largest_step},
+      {"truth_step", "truth's", "{:.3f}", &LossRow::truth_step},
+      {"unsound_frames", "unsound", "{}", &LossRow::unsound},
+      {"mistold_frames", "mistold", "{}", &LossRow::mistold},
+      {"performance_mse", "", "", &LossRow::performance_mse}};
+  return columns;
+}
 
 measure::Report loss_report(const LossStudy& study, const std::string& subtitle) {
   measure::Report report("Accuracy against loss", subtitle);
@@ -83,11 +84,14 @@ measure::Report loss_report(const LossStudy& study, const std::string& subtitle)
   if (const LossRow* worst = study.worst_sensor())
     figures.push_back({"Without " + worst->condition.sensor + ", the worst to lose", percent(worst->rise),
                        allowed(kRiseAllowedWithoutASensor)});
+  figures.push_back({"Promises", study.kept() ? "kept" : "not kept", ""});
   figures.push_back({"Frames not sound", fmt::format("{}", study.unsound() + study.mistold()), "of all"});
   report.key_figures(figures);
   report.plot(curves(study));
   if (study.worst_sensor() != nullptr) report.bars(sensors(study));
-  report.table(conditions(study));
+  measure::Table table = table_of("Every condition, on the same performances", study.rows, loss_columns());
+  table.strong_rows = {0};
+  report.table(table);
   report.text(
       "Each condition is the same performances heard through a worse network or from devices in trouble, the "
       "prologue too. The rig's own faults, lost packets among them, are there in every one, also in the "
