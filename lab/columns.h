@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "lab/interval.h"
 #include "mien/face/profile.h"
 #include "mien/measure/metrics.h"
 #include "mien/measure/report.h"
@@ -75,6 +75,12 @@ template <class Row>
 template <class Value>
 [[nodiscard]] Json or_null(const std::optional<Value>& value) {
   return value ? Json(*value) : Json();
+}
+
+/// {"mean", "low", "high"}; the ends null where nothing tells them.
+[[nodiscard]] inline Json interval_json(const Interval& of) {
+  const auto end = [&](double value) { return of.half() > 0 ? Json(value) : Json(); };
+  return {{"mean", of.mean}, {"low", end(of.low)}, {"high", end(of.high)}};
 }
 
 /// The mean of a figure that a face may lack.

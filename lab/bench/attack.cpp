@@ -1,5 +1,7 @@
 #include "lab/bench/attack.h"
 
+#include <utility>  // Before Asio 1.74, which forgets it.
+//
 #include <algorithm>
 #include <array>
 #include <boost/asio/buffer.hpp>
@@ -9,7 +11,6 @@
 
 #include "lab/bench/attack_programs.h"
 #include "lab/bench/clock.h"
-#include "lab/bench/damaged.h"
 #include "mien/core/bytes.h"
 #include "mien/core/units.h"
 #include "mien/imu/packets/node_message.h"
@@ -17,7 +18,6 @@
 #include "mien/imu/packets/slimevr.h"
 #include "mien/mocap/marker_packet.h"
 #include "mien/sensor/bindings.h"
-#include "mien/sensor/packet_envelope.h"
 
 namespace mien::lab {
 namespace {

@@ -4,14 +4,14 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <limits>
-#include <string>
 #include <string_view>
 
-#include "lab/bench/damaged.h"
 #include "mien/core/bytes.h"
 #include "mien/gaze/packet.h"
 #include "mien/phone/packet.h"
+#include "mien/sensor/packet_envelope.h"
 #include "mien/sensor/protocol.h"
 #include "mien/sink/live_link.h"
 
@@ -200,6 +200,32 @@ std::unique_ptr<Speech> face_programs(const Victims& victims, Random random) {
 
 std::unique_ptr<Speech> face_phones(const Victims&, Random random) {
   return std::make_unique<FacePhones>(random);
+}
+
+std::vector<std::byte> damaged(std::vector<std::byte> datagram, Random& random) {
+  switch (random.below(3)) {
+    case 0:
+      for (std::uint64_t flips = 1 + random.below(8); flips > 0; --flips)
+        datagram[random.below(datagram.size())] ^= static_cast<std::byte>(1U << random.below(8));
+      break;
+    case 1:
+      datagram.resize(1 + random.below(datagram.size()));
+      break;
+    default:
+      for (std::uint64_t more = 1 + random.below(64); more > 0; --more)
+        datagram.push_back(static_cast<std::byte>(random.below(256)));
+  }
+  if (!random.chance(0.5)) mend_checksum(datagram);
+  return datagram;
+}
+
+void mend_checksum(std::vector<std::byte>& datagram) {
+  if (datagram.size() <= sensor::kChecksumBytes) return;
+  datagram.resize(datagram.size() - sensor::kChecksumBytes);
+  ByteWriter mended;
+  mended.append(datagram);
+  sensor::write_checksum(0, mended);
+  datagram = mended.release();
 }
 
 }  // namespace mien::lab

@@ -1,7 +1,7 @@
+#include "lab/bench/benchmarks.h"
+
 #include <utility>  // Before Asio 1.74, which forgets it.
-
-#include "lab/bench/bench_attack.h"
-
+//
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,7 +10,6 @@
 #include <chrono>
 #include <iterator>
 #include <memory>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,8 +18,6 @@
 #include "app/live/perform_network.h"
 #include "app/seed_option.h"
 #include "lab/bench/attack.h"
-#include "lab/bench/attack_verdict.h"
-#include "lab/bench/attacked_cameras.h"
 #include "lab/bench/attacked_session.h"
 #include "lab/bench/clock.h"
 #include "mien/sensor/rig.h"

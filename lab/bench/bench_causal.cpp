@@ -1,28 +1,66 @@
-#include "lab/bench/bench_causal.h"
+#include "lab/bench/benchmarks.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "app/command.h"
 #include "app/json_output.h"
-#include "lab/bench/bench_peers.h"
+#include "app/trainer_helper.h"
 #include "lab/bench/clock.h"
-#include "lab/bench/paced.h"
+#include "lab/bench/onnx_peer.h"
+#include "mien/core/error.h"
 #include "mien/core/time.h"
 #include "mien/face/frame_hash.h"
 #include "mien/model/peak.h"
+#include "mien/model/precision.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/crowd.h"
 
 namespace mien::lab {
 namespace {
+
+/// What `mien bench causal` is asked.
+struct CausalBench {
+  std::string model;  ///< Empty: the default live model.
+  std::string precision{model::precision_name(tracker::kLivePrecision)};
+  int frames = 3600;
+  bool no_peers = false;  ///< ONNX Runtime and libtorch are not run.
+  bool json = false;
+};
+
+/// How fast somebody else's run time does the same cached step with the same weights, in fp32 on one thread.
+struct Peer {
+  std::optional<double> step_us;  ///< Of a step; nothing where the peer is not here.
+  std::string why_not;            ///< Then the reason, for people.
+};
+
+/// ONNX Runtime, on the model exported to ONNX: the quickest rounds of its best graph
+/// (lab/bench/onnx_peer.h).
+Peer onnxruntime_step(const std::filesystem::path& model) {
+  const auto times = measure_onnxruntime({.model = model});
+  if (!times) return {.step_us = std::nullopt, .why_not = times.error().message()};
+  return {.step_us = 1e6 * times->best_step_s, .why_not = {}};
+}
+
+/// libtorch, in the helper mien-train: its quickest rounds.
+Peer libtorch_step(const std::filesystem::path& model) {
+  const auto said = app::ask_trainer({"step", model.string(), "--json"});
+  if (!said) return {.step_us = std::nullopt, .why_not = said.error().message()};
+  const auto told = nlohmann::json::parse(*said, nullptr, false);
+  if (!told.is_object() || !told.contains("step_us") || !told["step_us"].is_number())
+    return {.step_us = std::nullopt, .why_not = "mien-train did not say how long a step took"};
+  return {.step_us = told["step_us"].get<double>(), .why_not = {}};
+}
 
 constexpr double kFrameS = 1.0 / 60;
 /// Of what the third cache's rate is measured: more than most second caches, less than most third ones.
@@ -187,8 +225,9 @@ void print_causal(const CausalBench& options, const Figures& f, const std::strin
   fmt::print("{} frames of {}; kernels {}, hash {}\n", options.frames, options.model, kernels, f.paced.hash);
 }
 
-}  // namespace
-
+/// Measures the live model's frame as a session lives it, its step in a hot loop, and how many performers one
+/// core carries; beside what the core can do at most, measured in the same run. Prints it. Errors: the model
+/// reader's and the tracker's; cancelled.
 Result<void> run_causal_bench(const CausalBench& asked) {
   CausalBench options = asked;
   const std::optional<model::Precision> precision = model::precision_from_name(options.precision);
@@ -229,6 +268,26 @@ Result<void> run_causal_bench(const CausalBench& asked) {
   else
     print_causal(options, f, kernels);
   return {};
+}
+
+}  // namespace
+
+void add_causal_bench(app::Commands& commands, app::Command bench) {
+  auto asked = std::make_shared<CausalBench>();
+  const app::Command causal = commands.add_under(
+      bench, "causal",
+      "The live model alone: a whole frame paced at 60 a second with cold caches, a step in a hot loop "
+      "beside other "
+      "run times, and how many performers one core carries, beside the core's measured peak",
+      "mien bench causal --precision int8 --json", [asked] { return run_causal_bench(*asked); });
+  causal.add_option("--precision", asked->precision, "What its linear layers multiply in: fp32, bf16 or int8")
+      .show_default();
+  causal.add_option("--frames", asked->frames, "Frames of a 60th of a second")
+      .in_range(1, 1'000'000)
+      .show_default();
+  causal.add_option("--model", asked->model, "The live model (default: models/live.safetensors)");
+  causal.add_flag("--no-peers", asked->no_peers, "Do not run ONNX Runtime and libtorch beside it");
+  app::add_json_flag(causal, asked->json);
 }
 
 }  // namespace mien::lab

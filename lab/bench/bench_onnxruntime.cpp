@@ -1,4 +1,4 @@
-#include "lab/bench/bench_onnxruntime.h"
+#include "lab/bench/benchmarks.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "lab/bench/bench_shaping.h"
+#include "lab/bench/benchmarks.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "lab/bench/bench_speech.h"
+#include "lab/bench/benchmarks.h"
 
 #include <fmt/format.h>
 

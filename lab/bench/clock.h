@@ -1,8 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
 
+#include "app/json_output.h"
 #include "mien/core/time.h"
+#include "mien/model/aligned.h"
 
 namespace mien::lab {
 
@@ -11,6 +18,61 @@ using Clock = std::chrono::steady_clock;
 
 [[nodiscard]] inline double seconds_since(Clock::time_point from) {
   return to_seconds(Clock::now() - from);
+}
+
+/// Of how long something took each time (seconds, not empty): the median and the slowest, milliseconds.
+[[nodiscard]] inline app::Json times_ms(std::vector<double> took_s) {
+  std::ranges::sort(took_s);
+  return {{"median_ms", 1e3 * took_s[took_s.size() / 2]}, {"worst_ms", 1e3 * took_s.back()}};
+}
+
+/// Of how long something took each time.
+struct Spread {
+  double p50_s = 0, p99_s = 0;
+};
+
+/// `values` is not empty.
+[[nodiscard]] inline Spread spread_of(std::vector<double> values) {
+  std::ranges::sort(values);
+  const auto at = [&](double share) {
+    return values[std::min(values.size() - 1,
+                           static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+  };
+  return {at(0.5), at(0.99)};
+}
+
+/// The memory of another program, whose reading takes ours out of the caches, as it does in life between two
+/// frames: twice the third cache of large CPUs.
+class OtherProgram {
+ public:
+  void read() {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < memory_.size(); i += 8) sum += memory_[i];
+    seen_ = sum;
+  }
+
+ private:
+  static constexpr std::size_t kBytes = std::size_t{64} << 20;
+  model::Aligned<std::uint64_t> memory_ = model::Aligned<std::uint64_t>(kBytes / sizeof(std::uint64_t));
+  volatile std::uint64_t seen_ = 0;
+};
+
+/// How long a call takes with everything where it was the last time: the smallest of rounds' medians, as
+/// peers are measured. A try calls it `calls` times.
+template <class Call>
+[[nodiscard]] double measure_hot(std::size_t calls, std::size_t tries, const Call& call) {
+  constexpr std::size_t kRounds = 9;
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<double> took(tries);
+  for (std::size_t round = 0; round < kRounds; ++round) {
+    for (double& one : took) {
+      const auto from = Clock::now();
+      for (std::size_t j = 0; j < calls; ++j) call();
+      one = seconds_since(from) / static_cast<double>(calls);
+    }
+    least = std::min(least, spread_of(took).p50_s);
+  }
+  return least;
 }
 
 }  // namespace mien::lab

@@ -1,5 +1,7 @@
 #include "lab/bench/hostile_camera.h"
 
+#include <utility>  // Before Asio 1.74, which forgets it.
+//
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,11 +10,10 @@
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
-#include <cmath>
 #include <span>
 #include <string_view>
 
-#include "lab/bench/damaged.h"
+#include "lab/bench/attack_programs.h"
 #include "mien/core/bytes.h"
 
 namespace mien::lab {

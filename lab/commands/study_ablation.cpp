@@ -1,4 +1,4 @@
-#include "lab/commands/study_ablation.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -12,10 +12,9 @@
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
-#include "lab/commands/interval_json.h"
-#include "lab/commands/short_training_options.h"
+#include "lab/columns.h"
 #include "lab/commands/short_trainings.h"
-#include "lab/imu/ablation/ablation_report.h"
+#include "lab/imu/ablation/ablation_study.h"
 #include "mien/core/files.h"
 #include "mien/dataset/training_takes.h"
 

@@ -1,4 +1,4 @@
-#include "lab/commands/study_headset.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,6 @@
 #include <array>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "lab/commands/study_hours.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -20,7 +20,6 @@
 #include "app/private_folder.h"
 #include "lab/commands/output.h"
 #include "lab/imu/hours_study.h"
-#include "lab/imu/hours_summary.h"
 #include "mien/core/cache_folder.h"
 #include "mien/core/files.h"
 #include "mien/core/sha256.h"

@@ -1,4 +1,4 @@
-#include "lab/commands/study_live.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "app/performance.h"
 #include "app/private_folder.h"
 #include "app/seed_option.h"
-#include "lab/imu/live_report.h"
+#include "lab/imu/live_study.h"
 #include "mien/core/files.h"
 #include "mien/model/model_file.h"
 

@@ -1,4 +1,4 @@
-#include "lab/commands/study_loss.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@
 #include "app/performance.h"
 #include "app/seed_option.h"
 #include "lab/commands/output.h"
-#include "lab/imu/loss_report.h"
+#include "lab/imu/loss.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
 

@@ -1,4 +1,4 @@
-#include "lab/commands/study_placement.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -13,12 +13,10 @@
 #include "app/one_line.h"
 #include "app/private_folder.h"
 #include "app/seed_option.h"
-#include "lab/commands/interval_json.h"
-#include "lab/commands/short_training_options.h"
+#include "lab/columns.h"
 #include "lab/commands/short_trainings.h"
-#include "lab/imu/placement/placement_report.h"
-#include "lab/imu/placement/placement_rig.h"
 #include "lab/imu/placement/placement_study.h"
+#include "lab/imu/placement/sensor_candidates.h"
 #include "mien/core/files.h"
 #include "mien/core/units.h"
 

@@ -1,4 +1,4 @@
-#include "lab/commands/study_sensors.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,6 @@
 #include "app/performance.h"
 #include "app/seed_option.h"
 #include "lab/commands/output.h"
-#include "lab/eyewear/error_picture.h"
 #include "lab/eyewear/minute_study.h"
 #include "lab/eyewear/sensors_report.h"
 #include "lab/eyewear/sensors_study.h"

@@ -1,4 +1,4 @@
-#include "lab/commands/study_settings.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,6 @@
 #include "app/json_output.h"
 #include "app/seed_option.h"
 #include "lab/commands/output.h"
-#include "lab/imu/drift.h"
 #include "lab/imu/settings_study.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"

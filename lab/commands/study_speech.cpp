@@ -1,4 +1,4 @@
-#include "lab/commands/study_speech.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,6 @@
 #include "app/seed_option.h"
 #include "lab/commands/output.h"
 #include "lab/speech/phone_labels.h"
-#include "lab/speech/speech_confidence.h"
 #include "lab/speech/speech_study.h"
 #include "mien/core/files.h"
 

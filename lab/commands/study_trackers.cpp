@@ -1,4 +1,4 @@
-#include "lab/commands/study_trackers.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,6 @@
 #include "app/json_output.h"
 #include "app/private_folder.h"
 #include "app/seed_option.h"
-#include "lab/trackers/tracker_strip.h"
 #include "lab/trackers/trackers_report.h"
 #include "lab/trackers/trackers_study.h"
 #include "mien/core/excerpt.h"

@@ -1,9 +1,7 @@
 #include "lab/headset/contact_sheet.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 

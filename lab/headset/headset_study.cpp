@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "lab/headset/seen_film.h"
-#include "lab/headset/taught_gaze.h"
 #include "mien/core/quantile.h"
 #include "mien/face/shape_region.h"
 #include "mien/headset/answer.h"

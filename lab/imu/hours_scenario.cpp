@@ -1,7 +1,7 @@
-#include "lab/imu/hours_scenario.h"
-
 #include <algorithm>
 #include <string>
+
+#include "lab/imu/hours_study.h"
 
 namespace mien::lab {
 namespace {

@@ -1,5 +1,3 @@
-#include "lab/imu/live_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "lab/imu/live_study.h"
 #include "mien/core/time.h"
 
 namespace mien::lab {

@@ -2,12 +2,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
+#include "lab/columns.h"
 #include "lab/imu/loss_condition.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/face/face.h"
+#include "mien/measure/report.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
 #include "mien/virtual/performance.h"
@@ -80,5 +83,12 @@ struct LossStudy {
                                            const model::ModelFile& model,
                                            const std::vector<LossCondition>& conditions,
                                            const Progress& progress);
+
+/// The figures of a condition.
+[[nodiscard]] const Columns<LossRow>& loss_columns();
+
+/// The study as people read it: what is promised and what came out, the curve of accuracy against loss, every
+/// condition, and every sensor. `subtitle` says who performed and which model answered.
+[[nodiscard]] measure::Report loss_report(const LossStudy& study, const std::string& subtitle);
 
 }  // namespace mien::lab

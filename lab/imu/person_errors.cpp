@@ -1,6 +1,5 @@
 #include "lab/imu/person_errors.h"
 
-#include <array>
 #include <vector>
 
 #include "mien/core/units.h"

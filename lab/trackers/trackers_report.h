@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "lab/trackers/modelled_tracker.h"
-#include "lab/trackers/tracker_figures.h"
+#include "lab/trackers/trackers_study.h"
+#include "mien/core/error.h"
+#include "mien/face/face.h"
 #include "mien/measure/report.h"
 #include "mien/render/image.h"
 
@@ -39,5 +41,10 @@ struct TrackerPicture {
 /// Errors: those of render::encode_png.
 [[nodiscard]] Result<measure::Report> trackers_report(const TrackersStudy& study, const std::string& subtitle,
                                                       std::span<const TrackerPicture> pictures = {});
+
+/// A row's worst moment, seen from the front: the truth and what each tracker showed, a third of a second
+/// before, then, and after; where a tracker saw no face a pale cell. On `face`, whoever performed. Without a
+/// strip where the row has no moment. Errors: those of moments_strip().
+[[nodiscard]] Result<TrackerPicture> tracker_picture(const face::Face& face, const TrackersRow& row);
 
 }  // namespace mien::lab

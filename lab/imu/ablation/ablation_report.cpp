@@ -1,11 +1,10 @@
-#include "lab/imu/ablation/ablation_report.h"
-
 #include <fmt/format.h>
 
 #include <array>
 #include <utility>
 #include <vector>
 
+#include "lab/imu/ablation/ablation_study.h"
 #include "lab/moments.h"
 #include "mien/builtin_face/builtin_face.h"
 

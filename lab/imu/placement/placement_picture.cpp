@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "lab/imu/placement/placement_bound.h"
 #include "lab/spread_on_skin.h"

@@ -1,5 +1,3 @@
-#include "lab/imu/placement/placement_report.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -7,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "lab/imu/placement/placement_study.h"
 #include "mien/core/units.h"
 
 namespace mien::lab {

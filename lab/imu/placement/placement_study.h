@@ -3,23 +3,70 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "lab/imu/placement/misplacement.h"
+#include "lab/imu/person_errors.h"
 #include "lab/imu/placement/paper_sites.h"
 #include "lab/imu/placement/placement_bound.h"
 #include "lab/imu/placement/placement_picture.h"
-#include "lab/imu/placement/placement_training.h"
 #include "lab/imu/sensor_bound.h"
+#include "lab/imu/short_training.h"
+#include "lab/interval.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/face/face.h"
-#include "mien/measure/metrics.h"
+#include "mien/measure/report.h"
 #include "mien/sensor/rig.h"
 #include "mien/virtual/imu/skin_motion.h"
 
 namespace mien::lab {
+
+/// How sets of sensors are held against each other by what networks make of them.
+struct PlacementTrainingRequest {
+  std::uint64_t seed = 1;
+  std::size_t seeds = 3;    ///< Networks of each set, 1 or more.
+  std::size_t steps = 600;  ///< Of each network.
+  synthetic::DataRecipe data = short_data(1);
+  std::size_t test_people = 24;  ///< Whom nobody trained on, 2 or more.
+  double test_seconds = 24;      ///< Of each, in either profile.
+  unsigned threads = 0;          ///< 0: one a core.
+};
+
+/// A set of sensors as people would wear it, with its [skin].
+struct PlacementRig {
+  std::string name;  ///< In file names: lower case letters, digits, '-' and '_'.
+  std::string title;
+  sensor::Rig rig;
+};
+
+/// What networks of a set are off on people whom nobody trained on.
+struct TrainedPlacement {
+  std::string name, title;
+  std::size_t sensors = 0;
+  SeedErrors device, lab;  ///< In either profile.
+};
+
+/// Trains and tries each set. Every set has data of its own, which the same virtual people perform: what a
+/// sensor's heading is told by are the other sensors of *its* rig, so that sensors of one set cannot be taken
+/// out of the performances of a larger one. Errors: make_dataset's, `train`'s; cancelled.
+[[nodiscard]] Result<std::vector<TrainedPlacement>> train_placements(const PlacementTrainingRequest& request,
+                                                                     std::span<const PlacementRig> rigs,
+                                                                     const TrainShort& train,
+                                                                     const Progress& progress);
+
+/// Two sets of as many sensors: which is better, by the vertex error in *device*.
+struct PlacementContest {
+  std::string ours, paper;  ///< Titles.
+  Interval device, lab;     ///< Change of the vertex error from the paper's to ours, as a share.
+  Interval device_mse, lab_mse;
+  /// A sentence that names the better one with its interval, or says that neither is.
+  [[nodiscard]] std::string verdict() const;
+};
+
+[[nodiscard]] PlacementContest contest(const TrainedPlacement& ours, const TrainedPlacement& paper);
 
 struct PlacementRequest {
   std::uint64_t seed = 1;
@@ -87,5 +134,49 @@ struct PlacementStudy {
 /// The shapes that a sensor tells most of, largest reduction of the variance first: at most `most`, at least
 /// a tenth each. "jawOpen 62 %, ...".
 [[nodiscard]] std::string top_shapes(const PosteriorOverPrior& posterior, std::size_t most = 5);
+
+/// Sets of each size by the linear bound, and the paper's beside them.
+[[nodiscard]] measure::Table placement_sets_table(const PlacementStudy& study);
+
+/// What whoever looks at the chosen set should know first, a sentence each: groups of shapes of which it
+/// tells nothing, candidates that could not be chosen.
+[[nodiscard]] std::vector<std::string> placement_remarks(const PlacementStudy& study);
+
+/// The chosen sensors in their order: where, and what each tells alone.
+[[nodiscard]] measure::Table placement_sites_table(const PlacementStudy& study);
+
+/// What misplacing each sensor of a set costs; `set` names it in a sentence.
+[[nodiscard]] measure::Table misplacement_table(std::string_view set,
+                                                const std::vector<SiteMisplacement>& sites);
+
+/// The candidates that are not of the grid: each alone.
+[[nodiscard]] measure::Table placement_candidates_table(const PlacementStudy& study);
+
+/// The paper's Table 2 beside what the same sites feel here.
+[[nodiscard]] measure::Table placement_paper_table(const PlacementStudy& study);
+
+/// Where both tables agree and where not.
+[[nodiscard]] std::string placement_paper_words(const PlacementStudy& study);
+
+/// What networks of each set are off, and how large their trainings were; without rows where none was
+/// trained.
+[[nodiscard]] measure::Table placement_trained_table(const PlacementStudy& study,
+                                                     const PlacementTrainingRequest& request);
+
+/// What the trainings say, a sentence each: which set is better, or that trainings so small compare
+/// nothing; and which sets could not be trained. Empty where none was to be.
+[[nodiscard]] std::vector<std::string> placement_verdicts(const PlacementStudy& study,
+                                                          const PlacementRequest& request);
+
+/// How to read all of it.
+[[nodiscard]] std::string placement_legend(const PlacementRequest& request);
+
+/// All tables and sentences for a terminal or a file.
+[[nodiscard]] std::string placement_text(const PlacementStudy& study, const PlacementRequest& request);
+
+/// The whole study on one page. Errors: those of the pictures' encoder.
+[[nodiscard]] Result<measure::Report> placement_report(const PlacementStudy& study,
+                                                       const PlacementRequest& request,
+                                                       const std::string& subtitle);
 
 }  // namespace mien::lab

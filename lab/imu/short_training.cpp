@@ -1,4 +1,4 @@
-#include "lab/imu/short_recipe.h"
+#include "lab/imu/short_training.h"
 
 #include <fmt/format.h>
 

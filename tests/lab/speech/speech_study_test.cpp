@@ -1,11 +1,11 @@
-#include "lab/speech/speech_confidence.h"
+#include "lab/speech/speech_study.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/model/random_network.h"
 #include "tests/synthetic/speech/letter_speaker.h"
 
-namespace mien::lab::speech_confidence_test {
+namespace mien::lab::speech_study_test {
 namespace {
 
 /// An untrained network: whatever it says, its table tells how far that is from the truth.
@@ -71,4 +71,4 @@ TEST(SpeechConfidence, TellsWhatItsSpeakerSays) {
 }
 
 }  // namespace
-}  // namespace mien::lab::speech_confidence_test
+}  // namespace mien::lab::speech_study_test

@@ -1,4 +1,4 @@
-#include "lab/headset/taught_gaze.h"
+#include "lab/headset/seen_film.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "mien/face/face.h"
 
-namespace mien::lab::taught_gaze_test {
+namespace mien::lab::seen_film_test {
 namespace {
 
 /// A tracker that only listens to where it is told that eyes rest.
@@ -55,4 +55,4 @@ TEST(TaughtGaze, TheEyesRestWhereATrackerIsToldThatTheyDo) {
 }
 
 }  // namespace
-}  // namespace mien::lab::taught_gaze_test
+}  // namespace mien::lab::seen_film_test

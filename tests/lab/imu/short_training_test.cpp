@@ -1,4 +1,4 @@
-#include "lab/imu/short_recipe.h"
+#include "lab/imu/short_training.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "mien/core/toml.h"
 
-namespace mien::lab::short_recipe_test {
+namespace mien::lab::short_training_test {
 namespace {
 
 TEST(ShortRecipes, HaveTheDataThatTheyAreToldToHave) {
@@ -54,4 +54,4 @@ TEST(TrainingSeed, IsWhatARecipeTakes) {
 }
 
 }  // namespace
-}  // namespace mien::lab::short_recipe_test
+}  // namespace mien::lab::short_training_test
