@@ -93,8 +93,6 @@ measure::Table shapes(const model::ConfidenceTable& table) {
   return out;
 }
 
-}  // namespace
-
 measure::Table confidence_table(const std::vector<synthetic::ConfidenceRow>& rows) {
   measure::Table out;
   out.caption = "Calibration error (ECE) and correlation with the truth, beside what was said before";
@@ -146,6 +144,8 @@ measure::Table regions_table(const std::vector<synthetic::ConfidenceRow>& rows,
     }
   return out;
 }
+
+}  // namespace
 
 measure::Report confidence_report(const std::vector<synthetic::ConfidenceRow>& rows,
                                   const std::vector<synthetic::ConfidenceRow>& faults,

@@ -8,13 +8,6 @@
 
 namespace mien::lab {
 
-/// Every row: what is called measured and how it follows the truth, calibration errors, the baseline's.
-[[nodiscard]] measure::Table confidence_table(const std::vector<synthetic::ConfidenceRow>& rows);
-
-/// The same of regions, with the area under the receiver operating characteristic.
-[[nodiscard]] measure::Table regions_table(const std::vector<synthetic::ConfidenceRow>& rows,
-                                           const std::vector<synthetic::ConfidenceRow>& faults);
-
 /// The reliability diagram, the rows (study_confidence), the faults' (study_faults), the same of regions
 /// where the table has maps, and what the sensors explain of each shape. `subtitle` says which model
 /// answered.

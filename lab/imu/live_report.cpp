@@ -84,6 +84,21 @@ std::vector<measure::KeyFigure> key_figures(const LiveSet& set) {
   return figures;
 }
 
+std::string live_legend() {
+  return "Mean ± standard deviation over performers, each with a face, a style and devices of their own; "
+         "every method "
+         "on the same frames. Felt: share of the face sensors' rotations that were there; off: how far these "
+         "lie from the truth, RMS. A window network sees up to a second of the future and answers a second "
+         "late; "
+         "the models by name answer frame by frame. Hold last is the truth of a second ago. The sensor bound "
+         "is what "
+         "one frame of rotations with that error tells at best by a linear map, shapes being independent "
+         "beforehand "
+         "and as wide as the performer's are around the mean pose: what knows more than that, of faces or of "
+         "the past, "
+         "can be below it. All else: docs/reference/metrics.md.";
+}
+
 }  // namespace
 
 measure::Table live_table(const LiveSet& set) {
@@ -104,21 +119,6 @@ measure::Table live_table(const LiveSet& set) {
     }
   }
   return table;
-}
-
-std::string live_legend() {
-  return "Mean ± standard deviation over performers, each with a face, a style and devices of their own; "
-         "every method "
-         "on the same frames. Felt: share of the face sensors' rotations that were there; off: how far these "
-         "lie from the truth, RMS. A window network sees up to a second of the future and answers a second "
-         "late; "
-         "the models by name answer frame by frame. Hold last is the truth of a second ago. The sensor bound "
-         "is what "
-         "one frame of rotations with that error tells at best by a linear map, shapes being independent "
-         "beforehand "
-         "and as wide as the performer's are around the mean pose: what knows more than that, of faces or of "
-         "the past, "
-         "can be below it. All else: docs/reference/metrics.md.";
 }
 
 measure::Report live_report(const LiveStudy& study, const std::string& subtitle) {

@@ -135,9 +135,6 @@ struct LiveRequest {
 /// each figure as mean ± standard deviation over performers.
 [[nodiscard]] measure::Table live_table(const LiveSet& set);
 
-/// What stands in the page and beside the table: how to read it.
-[[nodiscard]] std::string live_legend();
-
 /// The whole study on one page: for each set its figures, a plot of the vertex error for each group of
 /// conditions, and the table.
 [[nodiscard]] measure::Report live_report(const LiveStudy& study, const std::string& subtitle);

@@ -190,26 +190,13 @@ std::size_t nearest_frame(const std::vector<double>& time_s, double sought_s) {
   return static_cast<std::size_t>(nearest - time_s.begin());
 }
 
-}  // namespace
-
-std::string modelled_notice() {
-  return "Modelled, not measured: no camera looked at anybody here. The camera trackers are models, made of "
-         "what is published of each and of assumptions where nothing is; the numbers that matter most stand "
-         "below with their sources. Their delays have a camera's exposure and a webcam's buffer in them, "
-         "ours no radio. Ours is measured on simulated sensors that are worn by virtual performers. What "
-         "these figures say is where trackers of each kind must fail and what that costs; how large their "
-         "errors are on real faces only recordings tell (mien study trackers --truth FILE --curves "
-         "NAME=FILE).";
-}
-
-std::vector<std::string> offset_notices(const TrackersStudy& study) {
-  std::vector<std::string> out;
-  for (const std::string& name : study.offset_unknown)
-    out.push_back(fmt::format(
-        "{}: how much earlier or later it began than the truth was not found (not within --search, or too "
-        "little agrees), so its errors over all frames are left out; its PVE seen has that offset in it.",
-        name));
-  return out;
+measure::Table sources_table(const ModelledTracker& tracker) {
+  measure::Table table;
+  table.caption = tracker.name + ": where its numbers come from";
+  table.columns = {"number", "value", "source"};
+  for (const ModelledNumber& number : tracker.numbers)
+    table.rows.push_back({number.what, number.value, number.source});
+  return table;
 }
 
 std::string trackers_legend(const TrackersStudy& study) {
@@ -232,6 +219,28 @@ std::string trackers_legend(const TrackersStudy& study) {
         study.reference);
   if (!of_recordings(study)) out += " Behind ±: half of the 95 % interval over performers (Student's t).";
   return out + " All else: docs/reference/tracker_curves.md.";
+}
+
+std::vector<std::string> offset_notices(const TrackersStudy& study) {
+  std::vector<std::string> out;
+  for (const std::string& name : study.offset_unknown)
+    out.push_back(fmt::format(
+        "{}: how much earlier or later it began than the truth was not found (not within --search, or too "
+        "little agrees), so its errors over all frames are left out; its PVE seen has that offset in it.",
+        name));
+  return out;
+}
+
+}  // namespace
+
+std::string modelled_notice() {
+  return "Modelled, not measured: no camera looked at anybody here. The camera trackers are models, made of "
+         "what is published of each and of assumptions where nothing is; the numbers that matter most stand "
+         "below with their sources. Their delays have a camera's exposure and a webcam's buffer in them, "
+         "ours no radio. Ours is measured on simulated sensors that are worn by virtual performers. What "
+         "these figures say is where trackers of each kind must fail and what that costs; how large their "
+         "errors are on real faces only recordings tell (mien study trackers --truth FILE --curves "
+         "NAME=FILE).";
 }
 
 measure::Table trackers_table(const TrackersStudy& study) {
@@ -279,15 +288,6 @@ measure::Table lag_table(const TrackersStudy& study) {
                             fmt::format("{} of {}", lag ? lag->performers : 0, method.performers.size())});
     }
   }
-  return table;
-}
-
-measure::Table sources_table(const ModelledTracker& tracker) {
-  measure::Table table;
-  table.caption = tracker.name + ": where its numbers come from";
-  table.columns = {"number", "value", "source"};
-  for (const ModelledNumber& number : tracker.numbers)
-    table.rows.push_back({number.what, number.value, number.source});
   return table;
 }
 

@@ -3,9 +3,7 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
-#include "lab/trackers/modelled_tracker.h"
 #include "lab/trackers/trackers_study.h"
 #include "mien/core/error.h"
 #include "mien/face/face.h"
@@ -26,15 +24,9 @@ struct TrackerPicture {
 [[nodiscard]] measure::Table trackers_table(const TrackersStudy& study);
 /// How late each tracker is, and how sure that is.
 [[nodiscard]] measure::Table lag_table(const TrackersStudy& study);
-/// Where the numbers of the modelled trackers come from.
-[[nodiscard]] measure::Table sources_table(const ModelledTracker& tracker);
 
-/// How to read the tables.
-[[nodiscard]] std::string trackers_legend(const TrackersStudy& study);
 /// "Modelled, not measured": what stands on every page of modelled trackers.
 [[nodiscard]] std::string modelled_notice();
-/// A sentence on each recording whose offset was not found.
-[[nodiscard]] std::vector<std::string> offset_notices(const TrackersStudy& study);
 
 /// The whole on one page: key figures, errors and gaps by condition, the curves around the worst moment of
 /// each row, lags, pictures where there are any, and of modelled trackers where each number comes from.

@@ -136,7 +136,7 @@ std::string plain_text(const Table& table) {
         words += (c > 0 ? "  " : "") + (numbers[c] ? blanks + cells[c] : cells[c] + blanks);
       }
       words.erase(words.find_last_not_of(' ') + 1);
-      out += words + "\n";
+      out += width_of(words) > kTextWidth ? wrapped(words) : words + "\n";
     };
     line(table.columns);
     for (std::size_t r = 0; r < table.rows.size(); ++r) {

@@ -163,13 +163,6 @@ struct AblationStudy {
                                                 TestSet set,
                                                 SeedFigures SeedErrors::*measure = &SeedErrors::pve_mm);
 
-/// The rows beside each other on one test set; without rows where nobody was tried there.
-[[nodiscard]] measure::Table ablation_table(const AblationStudy& study, TestSet set);
-/// The change that fewer sensors and less data make: here, by the linear bound, and in CAPUS's Table 1.
-[[nodiscard]] measure::Table beside_the_paper(const AblationStudy& study);
-/// What the tables' columns mean.
-[[nodiscard]] std::string ablation_legend(const AblationStudy& study);
-
 /// The whole study as people read it. Errors: moments_strip's.
 [[nodiscard]] Result<measure::Report> ablation_report(const AblationStudy& study,
                                                       const std::string& subtitle);

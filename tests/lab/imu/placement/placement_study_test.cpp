@@ -67,12 +67,12 @@ TEST(StudyPlacement, TellsAllOfItWithoutTraining) {
   EXPECT_EQ(study->not_trained, "");
   EXPECT_EQ(study->pictures.together().width, 2 * request.picture_px);
 
-  const std::string text = placement_text(*study, request);
+  const auto report = placement_report(*study, request, "a test");
+  ASSERT_TRUE(report);
+  const std::string text = report->plain_text();
   EXPECT_THAT(text, HasSubstr("greedy 5"));
   EXPECT_THAT(text, HasSubstr("frontalis 1 *"));
   EXPECT_THAT(text, HasSubstr("Rank correlation"));
-  const auto report = placement_report(*study, request, "a test");
-  ASSERT_TRUE(report);
   EXPECT_THAT(report->html(), HasSubstr("Where to glue sensors"));
   EXPECT_THAT(report->html(), Not(HasSubstr("By short trainings")));
 }
@@ -93,10 +93,10 @@ TEST(StudyPlacement, SaysWhereNoSetIsLargeEnoughToBeTrained) {
   EXPECT_TRUE(study->trained.empty());
   EXPECT_THAT(study->not_trained, testing::StartsWith("No set was trained"));
   EXPECT_THAT(study->not_trained, HasSubstr("of eleven or five sensors"));
-  EXPECT_THAT(placement_text(*study, request), HasSubstr(study->not_trained));
   const auto report = placement_report(*study, request, "a test");
   ASSERT_TRUE(report);
   EXPECT_THAT(report->html(), HasSubstr("No set was trained"));
+  EXPECT_THAT(report->plain_text(), HasSubstr("No set was trained"));
 }
 
 TEST(PlacementVerdicts, NameTheBetterSetUnlessAmountsCompareNothing) {
