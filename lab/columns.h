@@ -84,7 +84,7 @@ template <class Value>
 }
 
 /// The mean of a figure that a face may lack.
-[[nodiscard]] inline std::optional<double> mean_of(const std::optional<measure::MeanStd>& value) {
+[[nodiscard]] inline std::optional<double> optional_mean(const std::optional<measure::MeanStd>& value) {
   return value ? std::optional(value->mean) : std::nullopt;
 }
 

@@ -131,39 +131,75 @@ std::vector<face::BlendshapeWeights> shown(const virt::VirtualSession& played, D
   return all;
 }
 
-/// What the take tells that the session's summary does not.
-Result<void> read_take(const AttackScene& scene, const std::filesystem::path& path, const std::string& hash,
-                       AttackFigures& out) {
+/// A recorded session, and whether it replays to the same bits.
+struct RecordedSession {
+  std::vector<take::LogEntry> entries;
+  std::vector<take::StoredSample> samples;
+  std::vector<take::Tick> ticks;
+  std::vector<face::OutputFrame> frames;  ///< One a tick.
+  bool same_bits = false;
+
+  [[nodiscard]] const std::string& source(const take::StoredSample& sample) const {
+    return entries[static_cast<std::size_t>(sample.entry - 1)].source;
+  }
+  /// Frames beyond sixty a second; negative: too few.
+  [[nodiscard]] double added(HostTime from, HostTime to) const {
+    const auto fired = std::ranges::count_if(
+        ticks, [&](const take::Tick& tick) { return tick.fired >= from && tick.fired < to; });
+    return static_cast<double>(fired) - std::round(to_seconds(to - from) * kFrameRateHz);
+  }
+};
+
+Result<RecordedSession> read_recorded(const std::filesystem::path& path, const std::string& model,
+                                      const std::string& hash) {
+  RecordedSession out;
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(path));
-  MIEN_TRY_ASSIGN(const std::vector<take::LogEntry> entries, take.entries());
-  MIEN_TRY_ASSIGN(const std::vector<take::StoredSample> samples, take.samples());
-  MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
-  MIEN_TRY_ASSIGN(const auto session, modalities::make_session(take.rig(), scene.model));
-  std::vector<face::OutputFrame> frames;
+  MIEN_TRY_ASSIGN(out.entries, take.entries());
+  MIEN_TRY_ASSIGN(out.samples, take.samples());
+  MIEN_TRY_ASSIGN(out.ticks, take.ticks());
+  MIEN_TRY_ASSIGN(const auto session, modalities::make_session(take.rig(), model));
   MIEN_TRY(session::replay(take, *session, [&](const take::Tick&, const face::OutputFrame& frame) {
-    frames.push_back(frame);
+    out.frames.push_back(frame);
     return true;
   }));
   out.same_bits = session->hash() == hash;
+  return out;
+}
 
-  const auto begin = begin_of(scene.played, entries, samples);
+/// Starts `mien live` with this rig and model, recording to `take`; `more`: further arguments.
+Result<app::Child> start_live(const std::string& rig, const std::string& model,
+                              const std::filesystem::path& take, std::uint16_t sink_port,
+                              const std::vector<std::string>& more) {
+  MIEN_TRY_ASSIGN(const std::filesystem::path program, app::find_helper("mien"));
+  std::vector<std::string> command = {
+      program.string(), "live",        "--rig",  rig,
+      "--model",        model,         "--out",  fmt::format("livelink://127.0.0.1:{}", sink_port),
+      "--record",       take.string(), "--page", "off",
+      "--json"};
+  command.insert(command.end(), more.begin(), more.end());
+  return app::Child::start(std::move(command), app::Child::Input::none);
+}
+
+/// What the take tells that the session's summary does not.
+Result<void> read_take(const AttackScene& scene, const std::filesystem::path& path, const std::string& hash,
+                       AttackFigures& out) {
+  MIEN_TRY_ASSIGN(const RecordedSession recorded, read_recorded(path, scene.model, hash));
+  out.same_bits = recorded.same_bits;
+  const auto begin = begin_of(scene.played, recorded.entries, recorded.samples);
   if (!begin) return {};  // No device was heard, and that stands there.
   const auto is_evaluated = [](const take::TruthFrame& truth) { return truth.evaluated; };
   const auto& truth = scene.played.truth;
   const auto first = std::ranges::find_if(truth, is_evaluated) - truth.begin();
   const HostTime from = scene.played.ticks[static_cast<std::size_t>(first)].fired + *begin;
   const HostTime to = scene.played.ticks.back().fired + *begin;
-  for (const take::StoredSample& sample : samples) {
-    if (sample.arrival < from || sample.arrival >= to) continue;
-    const auto& source = entries[static_cast<std::size_t>(sample.entry - 1)].source;
-    ++(source.starts_with(kDevices) ? out.heard : out.strangers);
-  }
-  const auto fired = std::ranges::count_if(
-      ticks, [&](const take::Tick& tick) { return tick.fired >= from && tick.fired < to; });
-  out.added = static_cast<double>(fired) - std::round(to_seconds(to - from) * kFrameRateHz);
+  for (const take::StoredSample& sample : recorded.samples)
+    if (sample.arrival >= from && sample.arrival < to)
+      ++(recorded.source(sample).starts_with(kDevices) ? out.heard : out.strangers);
+  out.added = recorded.added(from, to);
   if (scene.meter)
-    out.pve_mm =
-        measure::measure_track(*scene.meter, truth, shown(scene.played, *begin, ticks, frames)).pve_mm.mean;
+    out.pve_mm = measure::measure_track(*scene.meter, truth,
+                                        shown(scene.played, *begin, recorded.ticks, recorded.frames))
+                     .pve_mm.mean;
   return {};
 }
 
@@ -175,22 +211,14 @@ std::filesystem::path take_in(const std::filesystem::path& folder) {
 Result<app::Child> start_session(const AttackScene& scene, const Boards& boards,
                                  const std::filesystem::path& folder, std::uint16_t port,
                                  std::uint16_t sink_port) {
-  MIEN_TRY_ASSIGN(const std::filesystem::path program, app::find_helper("mien"));
   const std::string address = fmt::format("udp://127.0.0.1:{}", port);
-  std::vector<std::string> command = {program.string(), "live",
-                                      "--rig",          scene.rig,
-                                      "--model",        scene.model,
-                                      "--listen",       address,
-                                      "--out",          fmt::format("livelink://127.0.0.1:{}", sink_port),
-                                      "--record",       take_in(folder).string(),
-                                      "--page",         "off",
-                                      "--json"};
+  std::vector<std::string> more = {"--listen", address};
   if (boards.keyed) {
     const std::filesystem::path key = folder / "key";
     MIEN_TRY(write_file(key, key_text(run_key(scene.seed))));
-    command.insert(command.end(), {"--key", key.string()});
+    more.insert(more.end(), {"--key", key.string()});
   }
-  MIEN_TRY_ASSIGN(app::Child session, app::Child::start(std::move(command), app::Child::Input::none));
+  MIEN_TRY_ASSIGN(app::Child session, start_live(scene.rig, scene.model, take_in(folder), sink_port, more));
   for (const auto from = Clock::now(); !somebody_listens(port);) {
     if (Clock::now() - from > kPatience) return fail(ErrorCode::io, "the session does not listen", address);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -231,61 +259,42 @@ constexpr auto kAnswers = std::chrono::seconds(20);
 constexpr double kBegins_s = 2;
 constexpr std::size_t kPicturesKept = 40;
 
-Result<app::Child> start_headset(const CameraScene& scene, const std::array<std::string, 3>& cameras,
-                                 const std::filesystem::path& take, std::uint16_t sink_port) {
-  MIEN_TRY_ASSIGN(const std::filesystem::path program, app::find_helper("mien"));
-  std::vector<std::string> command = {
-      program.string(), "live",        "--rig",  scene.rig,
-      "--model",        scene.model,   "--out",  fmt::format("livelink://127.0.0.1:{}", sink_port),
-      "--record",       take.string(), "--page", "off",
-      "--json"};
-  for (const std::string& camera : cameras) command.insert(command.end(), {"--listen", camera});
-  return app::Child::start(std::move(command), app::Child::Input::none);
-}
-
 /// What the take tells of the time that is judged. `good`: addresses of the cameras that are heard.
 Result<void> read_camera_take(const CameraScene& scene, const std::filesystem::path& path,
                               const std::string& hash, const std::array<std::string, 2>& good,
                               AttackFigures& out) {
-  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(path));
-  MIEN_TRY_ASSIGN(const std::vector<take::LogEntry> entries, take.entries());
-  MIEN_TRY_ASSIGN(const std::vector<take::StoredSample> samples, take.samples());
-  MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
-  MIEN_TRY_ASSIGN(const auto session, modalities::make_session(take.rig(), scene.model));
-  MIEN_TRY(session::replay(take, *session, [](const auto&, const auto&) { return true; }));
-  out.same_bits = session->hash() == hash;
+  MIEN_TRY_ASSIGN(const RecordedSession recorded, read_recorded(path, scene.model, hash));
+  out.same_bits = recorded.same_bits;
   std::optional<HostTime> from;
-  for (const take::StoredSample& sample : samples) {
-    const std::string& source = entries[static_cast<std::size_t>(sample.entry - 1)].source;
-    if (std::ranges::find(good, source) == good.end()) continue;
+  for (const take::StoredSample& sample : recorded.samples) {
+    if (std::ranges::find(good, recorded.source(sample)) == good.end()) continue;
     if (!from) from = sample.arrival + from_seconds(kBegins_s);
     if (sample.arrival >= *from && sample.arrival < *from + from_seconds(scene.seconds)) ++out.heard;
   }
-  if (!from) return {};
-  const auto fired = std::ranges::count_if(ticks, [&](const take::Tick& tick) {
-    return tick.fired >= *from && tick.fired < *from + from_seconds(scene.seconds);
-  });
-  out.added = static_cast<double>(fired) - std::round(scene.seconds * kFrameRateHz);
+  if (from) out.added = recorded.added(*from, *from + from_seconds(scene.seconds));
   return {};
 }
 
 }  // namespace
 
-app::Json to_json(const AttackFigures& f) {
-  return {{"frames", f.frames},
-          {"added", f.added},
-          {"missed", f.missed},
-          {"p50_ms", f.p50_ms},
-          {"p99_ms", f.p99_ms},
-          {"peak_memory_mb", f.peak_memory_mb},
-          {"dropped", f.dropped},
-          {"evicted", f.evicted},
-          {"malformed", f.malformed},
-          {"heard", f.heard},
-          {"strangers_heard", f.strangers},
-          {"pve_mm", f.pve_mm ? app::Json(*f.pve_mm) : app::Json()},
-          {"sent", f.sent},
-          {"same_bits", f.same_bits}};
+const Columns<AttackFigures>& attack_columns() {
+  using F = AttackFigures;
+  static const Columns<F> columns = {
+      {"frames", "frames", "{:.0f}", &F::frames},
+      {"added", "added", "{:.0f}", &F::added},
+      {"missed", "missed", "{:.0f}", &F::missed},
+      {"p50_ms", "p50 ms", "{:.2f}", &F::p50_ms},
+      {"p99_ms", "p99 ms", "{:.2f}", &F::p99_ms},
+      {"peak_memory_mb", "MB", "{:.1f}", &F::peak_memory_mb},
+      {"dropped", "dropped", "{:.0f}", &F::dropped},
+      {"evicted", "", "", &F::evicted},
+      {"malformed", "", "", &F::malformed},
+      {"heard", "", "", &F::heard},
+      {"strangers_heard", "", "", &F::strangers},
+      {"pve_mm", "PVE mm", "{:.3f}", [](const F& f) { return or_null(f.pve_mm); }},
+      {"sent", "sent", "{:.0f}", &F::sent},
+      {"same_bits", "", "", &F::same_bits}};
+  return columns;
 }
 
 Result<std::string> read_summary(const app::ChildOutput& said, AttackFigures& out) {
@@ -392,7 +401,8 @@ Result<AttackFigures> run_attacked_cameras(const CameraScene& scene, const Attac
   const std::string second =
       hostile ? fmt::format("http://127.0.0.1:{}/", hostile->port()) : cameras->address(2);
   MIEN_TRY_ASSIGN(app::Child session,
-                  start_headset(scene, {good[0], second, good[1]}, take, face.local_endpoint().port()));
+                  start_live(scene.rig, scene.model, take, face.local_endpoint().port(),
+                             {"--listen", good[0], "--listen", second, "--listen", good[1]}));
   for (const auto from = Clock::now(); !cameras->are_all_watched();) {
     if (Clock::now() - from > kAnswers)
       return fail(ErrorCode::io, "the session asks for no pictures", good[0]);

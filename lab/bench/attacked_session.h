@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "app/child_program.h"
-#include "app/json_output.h"
 #include "lab/bench/attack.h"
 #include "lab/bench/hostile_camera.h"
+#include "lab/columns.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/measure/metrics.h"
@@ -33,7 +33,7 @@ struct AttackFigures {
   double sent = 0;               ///< Datagrams of the stranger.
   bool same_bits = false;        ///< Its take replays to the session's hash.
 };
-[[nodiscard]] app::Json to_json(const AttackFigures& figures);
+[[nodiscard]] const Columns<AttackFigures>& attack_columns();
 /// What a session said of itself at its end (`mien live --json`), and its hash. Errors: internal (it failed).
 [[nodiscard]] Result<std::string> read_summary(const app::ChildOutput& said, AttackFigures& out);
 

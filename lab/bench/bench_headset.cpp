@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +12,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -21,6 +19,8 @@
 #include "app/json_output.h"
 #include "lab/bench/clock.h"
 #include "lab/bench/onnx_peer.h"
+#include "lab/commands/output.h"
+#include "lab/headset/camera_pictures.h"
 #include "mien/core/error.h"
 #include "mien/core/files.h"
 #include "mien/core/progress.h"
@@ -51,7 +51,7 @@ struct HeadsetBench {
   int frames = 600;
   std::uint64_t seed = 1;  ///< Of the networks' weights and of the pictures.
   bool no_peers = false;   ///< ONNX Runtime is not run.
-  bool json = false;
+  Output to;
 };
 
 /// What a headset's frame costs one thread, from four pictures of 240 x 240 as boards send them to weights:
@@ -68,27 +68,22 @@ using Bytes = std::vector<std::byte>;
 /// Moments of a moving face, pictures of all cameras each.
 constexpr int kMoments = 12;
 constexpr int kJpegQuality = 80;
-constexpr auto kInterval = std::chrono::nanoseconds(16'666'667);
 
 Result<std::vector<std::vector<Bytes>>> render_pictures(const sensor::Rig& rig, std::uint64_t seed) {
   MIEN_TRY_ASSIGN(const virt::HeadsetFaults faults, virt::parse_headset_faults(rig.faults_toml, rig.name));
   MIEN_TRY_ASSIGN(const virt::HeadsetWearer wearer, virt::draw_headset_wearer(rig, faults, Random(seed)));
   virt::HeadsetSimulator simulator(wearer, faults, Random(seed));
-  std::vector<std::vector<std::uint8_t>> pixels;
-  std::vector<std::span<std::uint8_t>> out;
-  for (std::size_t c = 0; c < simulator.cameras(); ++c)
-    pixels.emplace_back(static_cast<std::size_t>(simulator.size(c).width) *
-                        static_cast<std::size_t>(simulator.size(c).height));
-  for (auto& picture : pixels) out.emplace_back(picture);
+  CameraPictures views(simulator);
   std::vector<std::vector<Bytes>> moments;
   for (int m = 0; m < kMoments; ++m) {
     virt::HeadsetPose pose;
     pose.weights[face::shape("jawOpen")] = 0.06F * static_cast<float>(m);
-    simulator.shoot(m / kFrameRateHz, pose, pose, out);
+    simulator.shoot(m / kFrameRateHz, pose, pose, views.out);
     auto& pictures = moments.emplace_back();
-    for (std::size_t c = 0; c < pixels.size(); ++c) {
-      MIEN_TRY_ASSIGN(Bytes jpeg, render::encode_jpeg(simulator.size(c).width, simulator.size(c).height,
-                                                      render::JpegPixels::grey, kJpegQuality, pixels[c]));
+    for (std::size_t c = 0; c < views.pixels.size(); ++c) {
+      MIEN_TRY_ASSIGN(Bytes jpeg,
+                      render::encode_jpeg(simulator.size(c).width, simulator.size(c).height,
+                                          render::JpegPixels::grey, kJpegQuality, views.pixels[c]));
       pictures.push_back(std::move(jpeg));
     }
   }
@@ -173,21 +168,12 @@ Result<CameraFrameFigures> measure_camera_frames(std::uint64_t seed, int frames,
   }
   figures.frame_s = spread_of(std::move(answers)).p50_s;
 
-  OtherProgram other;
-  std::vector<double> took;
-  auto next = Clock::now();
-  for (int f = 0; f < frames; ++f) {
-    other.read();
-    // A frame that the machine kept from us does not make the next one hurry.
-    next = std::max(next + kInterval, Clock::now());
-    std::this_thread::sleep_until(next);
-    const auto from = Clock::now();
-    worn.encode(next_moment());
-    worn.answer();
-    took.push_back(seconds_since(from));
-    if (!progress(static_cast<double>(f + 1) / frames, "pictures to weights at 60 a second, caches cold"))
-      return fail(ErrorCode::cancelled, "stopped before it was done", "bench headset");
-  }
+  MIEN_TRY_ASSIGN(std::vector<double> took,
+                  measure_sixty_hz(static_cast<std::size_t>(frames), "bench headset", "pictures to weights",
+                                   progress, [&](std::size_t) {
+                                     worn.encode(next_moment());
+                                     worn.answer();
+                                   }));
   figures.whole = spread_of(std::move(took));
   return figures;
 }
@@ -207,12 +193,7 @@ constexpr int kPictureRounds = 5, kDrawnMoments = 8;
 double pictures_per_s(const virt::HeadsetWearer& wearer, const virt::HeadsetFaults& faults,
                       std::uint64_t seed) {
   virt::HeadsetSimulator simulator(wearer, faults, Random(seed), kSide);
-  std::vector<std::vector<std::uint8_t>> pictures;
-  std::vector<std::span<std::uint8_t>> out;
-  for (std::size_t c = 0; c < simulator.cameras(); ++c)
-    pictures.emplace_back(static_cast<std::size_t>(simulator.size(c).width) *
-                          static_cast<std::size_t>(simulator.size(c).height));
-  for (auto& picture : pictures) out.emplace_back(picture);
+  CameraPictures views(simulator);
   double best_s = std::numeric_limits<double>::max(), time_s = 0;
   const auto open = [](int moment) {
     virt::HeadsetPose pose;
@@ -222,7 +203,7 @@ double pictures_per_s(const virt::HeadsetWearer& wearer, const virt::HeadsetFaul
   for (int round = 0; round < kPictureRounds; ++round) {
     const auto from = Clock::now();
     for (int m = 0; m < kDrawnMoments; ++m, time_s += 1.0 / 30)
-      simulator.shoot(time_s, open(m), open(m + 1), out);
+      simulator.shoot(time_s, open(m), open(m + 1), views.out);
     best_s = std::min(best_s, seconds_since(from));
   }
   return kDrawnMoments * static_cast<double>(simulator.cameras()) / best_s;
@@ -271,7 +252,6 @@ using model::Precision;
 constexpr Precision kPrecisions[] = {Precision::fp32, Precision::bf16, Precision::int8};
 /// Views that share a network: two eyes, or a mouth's two.
 constexpr std::size_t kViews = 2;
-constexpr auto kViewsInterval = std::chrono::nanoseconds(16'666'667);
 
 /// Weights as a fresh training run has them, which keep the numbers' size from layer to layer.
 Weights random_weights(const model::BackboneShape& shape, Random& random) {
@@ -391,27 +371,6 @@ Spread measure_each(Encoder& encoder) {
   return spread_of(std::move(took));
 }
 
-/// Sixty a second, with cold caches.
-Result<Spread> measure_paced(Encoder& encoder, std::size_t frames, const std::string& what,
-                             const Progress& progress) {
-  OtherProgram other;
-  std::vector<double> took(frames);
-  auto next = Clock::now();
-  for (std::size_t f = 0; f < frames; ++f) {
-    other.read();
-    // A frame that the machine kept from us does not make the next one hurry.
-    next = std::max(next + kViewsInterval, Clock::now());
-    std::this_thread::sleep_until(next);
-    const auto from = Clock::now();
-    encoder.run();
-    took[f] = seconds_since(from);
-    if (!progress(static_cast<double>(f + 1) / static_cast<double>(frames),
-                  what + " at 60 a second, caches cold"))
-      return fail(ErrorCode::cancelled, "stopped before it was done", "bench headset");
-  }
-  return spread_of(std::move(took));
-}
-
 /// Each site's two views in one call, and one by one: ONNX Runtime may have whichever is quicker. Then
 /// others' networks.
 Result<EncoderFigures::Peers> measure_peers(const Headset& headset, const Encoder& fp32, std::uint64_t seed) {
@@ -471,8 +430,11 @@ Result<EncoderFigures> measure(const HeadsetBench& options) {
     // Before the peer and behind it: a neighbour's work is to slow neither alone.
     m.hot_s = std::min(m.hot_s, measure_hot(1, kTries, [&] { encoders[i].run(); }));
     m.hot = measure_each(encoders[i]);
-    MIEN_TRY_ASSIGN(m.paced, measure_paced(encoders[i], static_cast<std::size_t>(options.frames),
-                                           std::string(model::precision_name(m.precision)), progress));
+    MIEN_TRY_ASSIGN(std::vector<double> took,
+                    measure_sixty_hz(static_cast<std::size_t>(options.frames), "bench headset",
+                                     std::string(model::precision_name(m.precision)), progress,
+                                     [&](std::size_t) { encoders[i].run(); }));
+    m.paced = spread_of(std::move(took));
   }
   MIEN_TRY_ASSIGN(f.whole, measure_camera_frames(options.seed, options.frames, progress));
   MIEN_TRY_ASSIGN(f.pictures, measure_pictures(options.seed));
@@ -480,21 +442,26 @@ Result<EncoderFigures> measure(const HeadsetBench& options) {
   return f;
 }
 
+Columns<MeasuredEncoder> encoder_columns(const EncoderFigures& f) {
+  using Measured = MeasuredEncoder;
+  const auto ms = [](Spread Measured::*spread, double Spread::*at) {
+    return [=](const Measured& m) { return 1e3 * (m.*spread.*at); };
+  };
+  return {{"precision", "", "{}", [](const Measured& m) { return model::precision_name(m.precision); }},
+          {"p50_ms", "cold p50, ms", "{:.3f}", ms(&Measured::paced, &Spread::p50_s)},
+          {"p99_ms", "p99", "{:.3f}", ms(&Measured::paced, &Spread::p99_s)},
+          {"hot_ms", "hot, ms", "{:.3f}", [](const Measured& m) { return 1e3 * m.hot_s; }},
+          {"hot_p50_ms", "p50", "{:.3f}", ms(&Measured::hot, &Spread::p50_s)},
+          {"hot_p99_ms", "p99", "{:.3f}", ms(&Measured::hot, &Spread::p99_s)},
+          {"gflops", "GFLOP/s", "{:.0f}", [&f](const Measured& m) { return 1e-9 * f.flop / m.hot_s; }},
+          {"vs_onnxruntime", "times as quick", "{:.2f}",
+           [&f](const Measured& m) { return f.peers ? app::Json(f.peers->same_s / m.hot_s) : app::Json(); }},
+          {"weight_bytes", "", "", &Measured::weight_bytes},
+          {"kernels", "kernels", "{}", [](const Measured& m) { return model::kernel_name(m.precision); }},
+          {"hash", "hash", "{:.16}", &Measured::hash}};
+}
+
 app::Json as_json(const HeadsetBench& options, const Headset& headset, const EncoderFigures& f) {
-  app::Json precisions = app::Json::array();
-  for (const MeasuredEncoder& m : f.precisions)
-    precisions.push_back(
-        {{"precision", model::precision_name(m.precision)},
-         {"p50_ms", 1e3 * m.paced.p50_s},
-         {"p99_ms", 1e3 * m.paced.p99_s},
-         {"hot_ms", 1e3 * m.hot_s},
-         {"hot_p50_ms", 1e3 * m.hot.p50_s},
-         {"hot_p99_ms", 1e3 * m.hot.p99_s},
-         {"gflops", 1e-9 * f.flop / m.hot_s},
-         {"vs_onnxruntime", f.peers ? app::Json(f.peers->same_s / m.hot_s) : app::Json(nullptr)},
-         {"weight_bytes", m.weight_bytes},
-         {"kernels", model::kernel_name(m.precision)},
-         {"hash", m.hash}});
   app::Json json = {
       {"peak_gflops", f.peak_gflops},
       {"encoder",
@@ -503,7 +470,7 @@ app::Json as_json(const HeadsetBench& options, const Headset& headset, const Enc
         {"widths", headset.shape.widths},
         {"flop", f.flop},
         {"onnxruntime_ms", f.peers ? app::Json(1e3 * f.peers->same_s) : app::Json(nullptr)},
-        {"precisions", precisions}}},
+        {"precisions", json_of(f.precisions, encoder_columns(f))}}},
       {"precision", model::precision_name(f.of_session().precision)},
       {"vs_onnxruntime", f.peers ? app::Json(f.peers->same_s / f.of_session().hot_s) : app::Json(nullptr)},
       {"hash", f.of_session().hash},
@@ -522,36 +489,30 @@ app::Json as_json(const HeadsetBench& options, const Headset& headset, const Enc
   return json;
 }
 
-void print_headset(const Headset& headset, const EncoderFigures& f) {
-  fmt::print(
-      "{} views of {} x {} through two networks of {:.2f} MFLOP a view; this core's fp32 peak is {:.0f} "
-      "GFLOP/s\n",
-      kViews * headset.sites.size(), headset.shape.size, headset.shape.size,
-      1e-6 * model::flop_count(headset.shape), f.peak_gflops);
-  fmt::print("{:<6} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>14}   kernels, hash\n", "", "hot ms", "p50", "p99",
-             "cold p50", "p99", "GFLOP/s", "times as quick");
-  for (const MeasuredEncoder& m : f.precisions)
-    fmt::print("{:<6} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.0f} {:>14}   {}, {}\n",
-               model::precision_name(m.precision), 1e3 * m.hot_s, 1e3 * m.hot.p50_s, 1e3 * m.hot.p99_s,
-               1e3 * m.paced.p50_s, 1e3 * m.paced.p99_s, 1e-9 * f.flop / m.hot_s,
-               f.peers ? fmt::format("{:.2f}", f.peers->same_s / m.hot_s) : "?",
-               model::kernel_name(m.precision), m.hash.substr(0, 16));
-  if (f.peers)
-    fmt::print(
-        "ONNX Runtime, fp32, one thread: {:.3f} ms; networks of others' sizes for two eyes and a mouth "
-        "{:.2f} ms, {:.1f} times as long as a session's, in {}\n",
-        1e3 * f.peers->same_s, 1e3 * f.peers->rivals_s, f.vs_rivals(),
-        model::precision_name(f.of_session().precision));
-  else
-    fmt::print("ONNX Runtime: {}\n", f.why_not);
-  fmt::print(
+measure::Report report_of(const Headset& headset, const EncoderFigures& f) {
+  measure::Report report("A headset's pictures on their way to weights");
+  report.table(table_of(
+      fmt::format("{} views of {} x {} through two networks of {:.2f} MFLOP a view; this core's fp32 peak is "
+                  "{:.0f} GFLOP/s",
+                  kViews * headset.sites.size(), headset.shape.size, headset.shape.size,
+                  1e-6 * model::flop_count(headset.shape), f.peak_gflops),
+      f.precisions, encoder_columns(f)));
+  report.text(f.peers
+                  ? fmt::format("ONNX Runtime, fp32, one thread: {:.3f} ms; networks of others' sizes for "
+                                "two eyes and a mouth {:.2f} ms, {:.1f} times as long as a session's, in {}",
+                                1e3 * f.peers->same_s, 1e3 * f.peers->rivals_s, f.vs_rivals(),
+                                model::precision_name(f.of_session().precision))
+                  : "ONNX Runtime: " + f.why_not);
+  report.text(fmt::format(
       "four pictures of 240 x 240 to weights, 60 a second, caches cold: {:.3f} ms p50, {:.3f} p99; hot: "
-      "{:.3f} ms "
-      "to decode one, {:.3f} for the features of four, {:.3f} for the frame\n",
+      "{:.3f} ms to decode one, {:.3f} for the features of four, {:.3f} for the frame",
       1e3 * f.whole.whole.p50_s, 1e3 * f.whole.whole.p99_s, 1e3 * f.whole.decode_s, 1e3 * f.whole.encode_s,
-      1e3 * f.whole.frame_s);
-  fmt::print("virtual headset: {:.0f} pictures of 96 x 96 a second, {:.1f} times as quick as ray by ray\n",
-             f.pictures.pictures_per_s, f.pictures.vs_single_rays);
+      1e3 * f.whole.frame_s));
+  report.text(
+      fmt::format("virtual headset: {:.0f} pictures of 96 x 96 a second, {:.1f} times as quick as ray "
+                  "by ray",
+                  f.pictures.pictures_per_s, f.pictures.vs_single_rays));
+  return report;
 }
 
 /// Measures what a headset's four views cost on their way through the networks of pictures, in each
@@ -560,11 +521,7 @@ void print_headset(const Headset& headset, const EncoderFigures& f) {
 Result<void> run_headset_bench(const HeadsetBench& options) {
   MIEN_TRY_ASSIGN(const EncoderFigures figures, measure(options));
   const Headset headset(options.seed);
-  if (options.json)
-    app::print_json(as_json(options, headset, figures));
-  else
-    print_headset(headset, figures);
-  return {};
+  return put_out(options.to, report_of(headset, figures), as_json(options, headset, figures));
 }
 
 }  // namespace
@@ -584,7 +541,7 @@ void add_headset_bench(app::Commands& commands, app::Command bench) {
       .show_default();
   cameras.add_option("--seed", headset->seed, "Of the weights and the pictures").show_default();
   cameras.add_flag("--no-peers", headset->no_peers, "Do not run ONNX Runtime beside it");
-  app::add_json_flag(cameras, headset->json);
+  app::add_json_flag(cameras, headset->to.json);
 }
 
 }  // namespace mien::lab

@@ -22,7 +22,7 @@
 #include "app/json_output.h"
 #include "app/live/perform_network.h"
 #include "lab/bench/clock.h"
-#include "lab/bench/good_cameras.h"
+#include "lab/bench/hostile_camera.h"
 #include "lab/bench/loopback.h"
 #include "mien/core/files.h"
 

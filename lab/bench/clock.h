@@ -5,9 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "app/json_output.h"
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
 #include "mien/core/time.h"
 #include "mien/model/aligned.h"
 
@@ -56,6 +60,30 @@ class OtherProgram {
   model::Aligned<std::uint64_t> memory_ = model::Aligned<std::uint64_t>(kBytes / sizeof(std::uint64_t));
   volatile std::uint64_t seen_ = 0;
 };
+
+/// Sixty calls a second, so many in all, with cold caches: of each, s. `bench` and `what` say what is done.
+/// Errors: cancelled.
+template <class Call>
+[[nodiscard]] Result<std::vector<double>> measure_sixty_hz(std::size_t calls, const char* bench,
+                                                           const std::string& what, const Progress& progress,
+                                                           const Call& call) {
+  OtherProgram other;
+  std::vector<double> took;
+  auto next = Clock::now();
+  for (std::size_t f = 0; f < calls; ++f) {
+    other.read();
+    // A frame that the machine kept from us does not make the next one hurry.
+    next = std::max(next + std::chrono::nanoseconds(16'666'667), Clock::now());
+    std::this_thread::sleep_until(next);
+    const auto from = Clock::now();
+    call(f);
+    took.push_back(seconds_since(from));
+    if (!progress(static_cast<double>(f + 1) / static_cast<double>(calls),
+                  what + " at 60 a second, caches cold"))
+      return fail(ErrorCode::cancelled, "stopped before it was done", bench);
+  }
+  return took;
+}
 
 /// How long a call takes with everything where it was the last time: the smallest of rounds' medians, as
 /// peers are measured. A try calls it `calls` times.

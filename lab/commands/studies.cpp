@@ -40,8 +40,9 @@ const Columns<BoundRow>& bound_columns() {
       {"mse", "MSE", "{:.4f}", [](const BoundRow& row) { return row.bound.mse; }},
       {"pve_mm", "PVE mm", "{:.2f}", [](const BoundRow& row) { return row.bound.pve_mm.mean; }},
       {"pve_face_mm", "face mm", "{:.2f}",
-       [](const BoundRow& row) { return or_null(mean_of(row.bound.pve_face_mm)); }},
-      {"lmk_mm", "LMK mm", "{:.2f}", [](const BoundRow& row) { return or_null(mean_of(row.bound.lmk_mm)); }},
+       [](const BoundRow& row) { return or_null(optional_mean(row.bound.pve_face_mm)); }},
+      {"lmk_mm", "LMK mm", "{:.2f}",
+       [](const BoundRow& row) { return or_null(optional_mean(row.bound.lmk_mm)); }},
       {"left", "", "",
        [](const BoundRow& row) { return by_shape([&](std::size_t k) { return row.bound.left[k]; }); }}};
   return columns;

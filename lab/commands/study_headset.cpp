@@ -16,7 +16,6 @@
 #include "app/seed_option.h"
 #include "lab/commands/output.h"
 #include "lab/headset/contact_sheet.h"
-#include "lab/headset/headset_hours.h"
 #include "lab/headset/headset_study.h"
 #include "mien/face/profile.h"
 #include "mien/headset/views_file.h"

@@ -1,14 +1,12 @@
 #include "lab/eyewear/sensors_study.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <span>
 #include <utility>
 
+#include "lab/performance_count.h"
 #include "mien/core/units.h"
 #include "mien/eyewear/block_median.h"
 #include "mien/eyewear/linearise.h"
@@ -142,25 +140,11 @@ std::vector<double> draw_begins(const SensorsRequest& request, double window_s, 
   return begins;
 }
 
-/// How far all wearers are together, in tests; the training counts as much as all tests of a wearer.
-struct SensorsCourse {
-  std::atomic<std::size_t> done = 0;
-  std::atomic<bool> stop = false;
-  /// False when it is to end.
-  bool passed(std::size_t tests) {
-    done += tests;
-    return !stop;
-  }
-};
-
 Result<SensorsOutcome> wear_for_study(const SensorsRequest& request, const sensor::Rig& rig,
                                       const builtin_face::MarkerSet& markers,
                                       const virt::EyewearFaults& faults, const virt::MarkerPoses& poses,
                                       const std::vector<SensorsTest>& tests, std::size_t index,
-                                      SensorsCourse& course) {
-  const auto stopped = [] {
-    return fail(ErrorCode::cancelled, "stopped before all wearers were measured", "study sensors");
-  };
+                                      PerformanceCount& tests_done) {
   const Random root = Random(request.seed).fork("sensors", index);
   MIEN_TRY_ASSIGN(const virt::EyewearWearer wearer,
                   virt::draw_eyewear_wearer(rig, faults, root.fork("wearer")));
@@ -190,7 +174,8 @@ Result<SensorsOutcome> wear_for_study(const SensorsRequest& request, const senso
   MIEN_TRY_ASSIGN(const MarkerModel without_hooks,
                   MarkerModel::fit(take_rows(training.distances_m, kept.rows, &frame_sensors), learnt));
 
-  if (!course.passed(tests.size())) return stopped();
+  tests_done.count(tests.size());
+  MIEN_TRY(tests_done.go_on());
 
   std::vector<std::size_t> every_marker(markers.markers.size());
   for (std::size_t m = 0; m < every_marker.size(); ++m) every_marker[m] = m;
@@ -219,7 +204,8 @@ Result<SensorsOutcome> wear_for_study(const SensorsRequest& request, const senso
       out.curve_s.push_back(static_cast<double>(t) * request.test_s + begins[static_cast<std::size_t>(i)]);
       out.curve_mm.push_back(one.over(every_marker).mean_mm);
     }
-    if (!course.passed(1)) return stopped();
+    tests_done.count();
+    MIEN_TRY(tests_done.go_on());
   }
   return out;
 }
@@ -339,19 +325,13 @@ Result<SensorsStudy> study_sensors(const SensorsRequest& request, const sensor::
                   virt::MarkerPoses::measure(markers, virt::kMeasuredBeforeS, root.fork("before")));
   const std::vector<SensorsTest> tests = make_sensors_tests(poses, root.fork("tests"));
   std::vector<SensorsOutcome> outcomes(static_cast<std::size_t>(request.wearers));
-  SensorsCourse course;
-  const std::size_t whole = 2 * tests.size() * outcomes.size();
-  const Progress by_test = [&](double, std::string_view) {
-    const std::size_t done = course.done;
-    if (!progress(static_cast<double>(done) / static_cast<double>(whole),
-                  fmt::format("{} wearers, {} tests each", outcomes.size(), tests.size())))
-      course.stop = true;
-    return !course.stop;
-  };
+  // Fitting a wearer's model takes as long as all of the tests.
+  PerformanceCount tests_done(progress, 2 * tests.size() * outcomes.size());
+  const Progress by_test = tests_done.progress();
   MIEN_TRY(virt::for_each_performer(
       outcomes.size(), request.threads, by_test, [&](std::size_t index) -> Result<void> {
         MIEN_TRY_ASSIGN(outcomes[index],
-                        wear_for_study(request, rig, markers, faults, poses, tests, index, course));
+                        wear_for_study(request, rig, markers, faults, poses, tests, index, tests_done));
         return {};
       }));
   SensorsStudy study;

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "lab/worsened.h"
 #include "mien/core/draw_first.h"
 #include "mien/core/time.h"
 #include "mien/eyewear/light_grid.h"
@@ -156,18 +157,10 @@ const std::vector<GlassesFault>& glasses_faults() {
       {"1 frozen", nullptr, [](const Random& r, Samples& s) { freeze(r, s); }},
       {"put on again", nullptr, nullptr, Remount::uncalibrated},
       {"put on again, 5 s of neutral", nullptr, nullptr, Remount::calibrated},
-      {"slip 5 times as much",
-       [](Faults& f) {
-         f.slip_mm_per_sqrt_min *= 5;
-         f.slip_deg_per_sqrt_min *= 5;
-       }},
-      {"sway 3 times as much",
-       [](Faults& f) {
-         f.sway_mm *= 3;
-         f.sway_deg *= 3;
-       }},
-      {"ride up 3 times as much", [](Faults& f) { f.ride_up_mm *= 3; }},
-      {"folds 3 times as high", [](Faults& f) { f.tissue_mm *= 3; }},
+      {"slip 5 times as much", worsened<5, &Faults::slip_mm_per_sqrt_min, &Faults::slip_deg_per_sqrt_min>},
+      {"sway 3 times as much", worsened<3, &Faults::sway_mm, &Faults::sway_deg>},
+      {"ride up 3 times as much", worsened<3, &Faults::ride_up_mm>},
+      {"folds 3 times as high", worsened<3, &Faults::tissue_mm>},
       {"light that saturates",
        [](Faults& f) {
          f.ambient = {0.3, 0.9};
@@ -178,11 +171,8 @@ const std::vector<GlassesFault>& glasses_faults() {
          f.ambient_flicker = 1;
        }},
       {"blood and sweat 5 times as much",
-       [](Faults& f) {
-         f.blush_per_sqrt_min *= 5;
-         f.sweat_per_sqrt_min *= 5;
-       }},
-      {"readings 10 times as noisy", [](Faults& f) { f.noise_counts *= 10; }},
+       worsened<5, &Faults::blush_per_sqrt_min, &Faults::sweat_per_sqrt_min>},
+      {"readings 10 times as noisy", worsened<10, &Faults::noise_counts>},
   };
   return faults;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lab/imu/observed_rotations.h"
 #include "mien/core/units.h"
 #include "mien/measure/evaluation.h"
 #include "mien/model/schedule.h"
@@ -81,13 +82,12 @@ FilteredFigures mean_over(std::span<const PersonMetrics> people, std::size_t fil
 
 /// Squared errors of one performer under one setting, rad^2.
 struct DriftSums {
-  double squares = 0, vertical = 0, count = 0, missing = 0;
+  double squares = 0, vertical = 0, count = 0;
 
   DriftSums& operator+=(const DriftSums& other) {
     squares += other.squares;
     vertical += other.vertical;
     count += other.count;
-    missing += other.missing;
     return *this;
   }
 };
@@ -108,13 +108,8 @@ Result<DriftSums> compare(const sensor::Rig& rig, const std::vector<virt::SkinSi
     if (!session.truth[f].evaluated) continue;
     for (std::size_t i = 0; i < face_sensors.size(); ++i) {
       const model::SensorFeature& sensor = frames[f].sensors[i];
-      if (!sensor.has_rotation) {
-        ++sums.missing;
-        continue;
-      }
-      const auto& [w, x, y, z] = sensor.rotation;
-      const Quat truth = sites[face_sensors[i]].rotation(session.truth[f].weights);
-      const Vec3 error = log_rotation(Quat(w, x, y, z) * truth.conjugate());
+      if (!sensor.has_rotation) continue;
+      const Vec3 error = rotation_error(sensor, sites[face_sensors[i]].rotation(session.truth[f].weights));
       sums.squares += error.squaredNorm();
       sums.vertical += error.y() * error.y();
       ++sums.count;
@@ -192,14 +187,9 @@ Result<std::vector<Drift>> study_drift(const DriftRequest& request, const sensor
   for (std::size_t i = 0; i < settings.size(); ++i) {
     DriftSums all;
     Drift drift{.settings = settings[i]};
-    for (const std::vector<DriftSums>& one : sums) {
-      all += one[i];
-      drift.performer_rms_deg.push_back(rms_deg(one[i].squares, one[i].count));
-    }
-    std::ranges::sort(drift.performer_rms_deg);
+    for (const std::vector<DriftSums>& one : sums) all += one[i];
     drift.rms_deg = rms_deg(all.squares, all.count);
     drift.vertical_rms_deg = rms_deg(all.vertical, all.count);
-    drift.missing = all.missing / std::max(1.0, all.missing + all.count);
     drifts.push_back(drift);
   }
   return drifts;

@@ -62,9 +62,7 @@ struct DriftRequest {
 struct Drift {
   imu::DriftSettings settings;
   double rms_deg = 0;
-  double vertical_rms_deg = 0;            ///< The part about the head's vertical, where headings err.
-  std::vector<double> performer_rms_deg;  ///< Of each performer, ascending.
-  double missing = 0;                     ///< Share of rotations that the pipeline did not give.
+  double vertical_rms_deg = 0;  ///< The part about the head's vertical, where headings err.
 };
 
 /// Every setting on the same sessions. Errors: those of the faults and the simulator; cancelled.

@@ -2,13 +2,31 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <limits>
+#include <vector>
 
+#include "mien/core/nearest_word.h"
 #include "mien/core/units.h"
+#include "mien/virtual/performers.h"
 
 namespace mien::lab {
 namespace {
+
+sensor::SkinMotion marginal(const sensor::SkinMotion& skin, std::span<const std::string> names) {
+  sensor::SkinMotion out;
+  std::vector<Eigen::Index> rows;
+  for (std::size_t s = 0; s < skin.sensors.size(); ++s) {
+    if (std::ranges::find(names, skin.sensors[s]) == names.end()) continue;
+    out.sensors.push_back(skin.sensors[s]);
+    for (Eigen::Index axis = 0; axis < 3; ++axis) rows.push_back(3 * static_cast<Eigen::Index>(s) + axis);
+  }
+  const Eigen::MatrixXd covariance = skin.factor_deg * skin.factor_deg.transpose();
+  out.mean_deg = skin.mean_deg(rows);
+  out.factor_deg = Eigen::MatrixXd(covariance(rows, rows)).llt().matrixL();
+  return out;
+}
 
 /// Frames that a step sees.
 constexpr std::size_t kFramesAStep = 3840;
@@ -35,7 +53,44 @@ std::string network_settings(const ShortRecipe& recipe) {
   return "";
 }
 
+/// The profile's white noise, an axis.
+constexpr double kLabNoiseRad = kRadPerDeg;
+
+Result<PersonErrors> errors_of(const model::ModelFile& model, const std::vector<std::string>& sensors,
+                               const synthetic::ImuPerson& person, const measure::Meter& meter,
+                               synthetic::WindowJoin join) {
+  MIEN_TRY_ASSIGN(const std::vector<face::BlendshapeWeights> answer,
+                  synthetic::answers_of(model, sensors, person.features, join));
+  const measure::Stretch stretch{person.truth, answer};
+  const measure::Metrics metrics = meter.measure({&stretch, 1});
+  return PersonErrors{.pve_mm = metrics.pve_mm.mean,
+                      .lmk_mm = metrics.lmk_mm ? metrics.lmk_mm->mean : 0,
+                      .mse = metrics.mse,
+                      .jitter = metrics.jitter_ratio.value_or(0)};
+}
+
 }  // namespace
+
+Result<sensor::Rig> rig_with_sensors(const sensor::Rig& rig, std::span<const std::string> names) {
+  if (names.empty()) return fail(ErrorCode::bad_usage, "no sensor is left", "rig " + rig.name);
+  const std::vector<std::string> all = rig.face_sensor_names();
+  for (const std::string& name : names)
+    if (std::ranges::find(all, name) == all.end())
+      return fail(ErrorCode::not_found,
+                  fmt::format("the rig has no face sensor {}{}", name, did_you_mean(name, all)),
+                  "rig " + rig.name);
+  if (names.size() == all.size()) return rig;
+  sensor::Rig part = rig;
+  std::erase_if(part.sensors, [&](const sensor::Mount& mount) {
+    return mount.role == "face" && std::ranges::find(names, mount.name) == names.end();
+  });
+  if (!part.find(part.reference)) part.reference = names.front();
+  if (rig.skin) {
+    part.skin = marginal(*rig.skin, names);
+    if (part.skin->sensors.empty()) part.skin.reset();
+  }
+  return part;
+}
 
 std::uint64_t recipe_seed(std::uint64_t seed) {
   constexpr std::uint64_t kLargest = std::numeric_limits<std::int64_t>::max();
@@ -77,6 +132,48 @@ synthetic::DataRecipe short_data(std::uint64_t seed) {
   data.device_share = 0.4;
   data.kinematics = {.gain = 0.30, .direction_rad = 13 * kRadPerDeg};
   return data;
+}
+
+void SeedErrors::add_seed(std::span<const PersonErrors> people) {
+  for (SeedFigures* figures : {&pve_mm, &lmk_mm, &mse, &jitter}) figures->emplace_back();
+  for (const PersonErrors& person : people) {
+    pve_mm.back().push_back(person.pve_mm);
+    lmk_mm.back().push_back(person.lmk_mm);
+    mse.back().push_back(person.mse);
+    jitter.back().push_back(person.jitter);
+  }
+}
+
+Result<std::vector<PersonErrors>> errors_of_people(const model::ModelFile& model,
+                                                   const std::vector<std::string>& sensors,
+                                                   std::span<const synthetic::ImuPerson> people,
+                                                   const measure::Meter& meter, synthetic::WindowJoin join,
+                                                   unsigned threads) {
+  std::vector<PersonErrors> out(people.size());
+  MIEN_TRY(virt::for_each_performer(people.size(), threads, no_progress, [&](std::size_t p) -> Result<void> {
+    MIEN_TRY_ASSIGN(out[p], errors_of(model, sensors, people[p], meter, join));
+    return {};
+  }));
+  return out;
+}
+
+std::vector<synthetic::ImuPerson> watched_in_lab(const dataset::Dataset& data, std::uint64_t seed) {
+  dataset::Dataset lab;
+  lab.sensors = data.sensors;
+  for (const dataset::Sequence& sequence : data.sequences)
+    if (sequence.lab) lab.sequences.push_back(sequence);
+  std::vector<synthetic::ImuPerson> people = synthetic::watched(lab);
+  for (std::size_t p = 0; p < people.size(); ++p) {
+    Random noise = Random(seed).fork("lab noise", p);
+    for (model::FeatureFrame& frame : people[p].features)
+      for (model::SensorFeature& sensor : frame.sensors) {
+        const Quat clean(sensor.rotation[0], sensor.rotation[1], sensor.rotation[2], sensor.rotation[3]);
+        const Quat noisy = exp_rotation(noise.normal_vector(kLabNoiseRad)) * clean;
+        sensor.rotation = {static_cast<float>(noisy.w()), static_cast<float>(noisy.x()),
+                           static_cast<float>(noisy.y()), static_cast<float>(noisy.z())};
+      }
+  }
+  return people;
 }
 
 }  // namespace mien::lab

@@ -1,18 +1,40 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "lab/interval.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
+#include "mien/measure/metrics.h"
 #include "mien/model/model_file.h"
+#include "mien/sensor/rig.h"
 #include "mien/synthetic/imu/make_dataset.h"
+#include "mien/synthetic/imu/watched_person.h"
 
 namespace mien::lab {
+
+/// The rig as somebody wears it who leaves the other face sensors away: these alone, in the rig's order, with
+/// all that are not the face's, and of the `[skin]` table what it says of them (the marginal of a normal
+/// distribution). Whoever tells headings by the skin then knows no more than they feel. Errors: not_found (a
+/// name that is none of the face's), bad_usage (none is named).
+[[nodiscard]] Result<sensor::Rig> rig_with_sensors(const sensor::Rig& rig,
+                                                   std::span<const std::string> names);
+
+/// CAPUS's "Fewer IMU" (arXiv:2402.03944v4, Evaluations on Facial Capture): brows, cheeks and jaw, by the
+/// names of rigs/default.toml. Which of its two sites of the cheeks it keeps it does not say: here the lower.
+inline constexpr std::array<std::string_view, 5> kPaperFive = {
+    "frontalis_R", "frontalis_L", "zygomaticus_lower_R", "zygomaticus_lower_L", "mentalis"};
+
+/// The same with the upper site of the cheeks.
+inline constexpr std::array<std::string_view, 5> kPaperFiveUpper = {
+    "frontalis_R", "frontalis_L", "zygomaticus_upper_R", "zygomaticus_upper_L", "mentalis"};
 
 /// Which network a study trains, all of about as many parameters (0.2 to 0.4 million with eleven sensors).
 enum class ShortNetwork : std::uint8_t {
@@ -76,5 +98,33 @@ struct ShortTrained {
 /// data's and the trainer's; cancelled.
 using TrainShort = std::function<Result<std::vector<ShortTrained>>(std::span<const ShortTraining> trainings,
                                                                    const Progress& progress)>;
+
+/// What a model's answers to one person are off, over all of the person's frames.
+struct PersonErrors {
+  double pve_mm = 0;  ///< Mean vertex error.
+  double lmk_mm = 0;  ///< Mean error of the 68 landmarks; 0 on a face without them.
+  double mse = 0;     ///< Of the 53 weights.
+  double jitter = 0;  ///< Third difference of the landmarks over the truth's; 0 where the truth rests.
+};
+
+/// Errors of a network that was trained with several seeds: of each seed one figure a person.
+struct SeedErrors {
+  SeedFigures pve_mm, lmk_mm, mse, jitter;
+  [[nodiscard]] bool empty() const { return pve_mm.empty(); }
+  /// One more seed's, of the same people in the same order.
+  void add_seed(std::span<const PersonErrors> people);
+};
+
+/// Each person's errors, in their order. `sensors`: names of the features' entries; those that the model does
+/// not know are passed over. `meter`: of the face on which weights become millimetres. Errors: the tracker's;
+/// cancelled. The same for any number of threads (0: one a core).
+[[nodiscard]] Result<std::vector<PersonErrors>> errors_of_people(
+    const model::ModelFile& model, const std::vector<std::string>& sensors,
+    std::span<const synthetic::ImuPerson> people, const measure::Meter& meter,
+    synthetic::WindowJoin join = synthetic::WindowJoin::overlap, unsigned threads = 0);
+
+/// People of a data set's *lab* profile, with the profile's degree of white noise an axis, from `seed`.
+[[nodiscard]] std::vector<synthetic::ImuPerson> watched_in_lab(const dataset::Dataset& data,
+                                                               std::uint64_t seed);
 
 }  // namespace mien::lab

@@ -22,6 +22,7 @@
 #include "mien/performer/performer.h"
 #include "mien/performer/script.h"
 #include "mien/solve/trace_features.h"
+#include "mien/synthetic/imu/watched_person.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/virtual/imu/device_faults.h"
 #include "mien/virtual/performance.h"
@@ -173,13 +174,10 @@ class WatchedByCameras {
         out.truth.rows.push_back({motion_time(session.truth[f]), session.truth[f].weights});
     out.own.name = kOwnCurves;
     out.own.told.set();
-    MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
-                    tracker::CausalTracker::create(setting_.model, setting_.rig.face_sensor_names()));
-    face::OutputFrame frame;
-    for (std::size_t f = 0; f < features.size(); ++f) {
-      tracker.step(features[f], frame);
-      out.own.rows.push_back({motion_time(session.truth[f]), frame.weights});
-    }
+    MIEN_TRY_ASSIGN(const std::vector<face::BlendshapeWeights> answers,
+                    synthetic::answers_of(setting_.model, setting_.rig.face_sensor_names(), features));
+    for (std::size_t f = 0; f < answers.size(); ++f)
+      out.own.rows.push_back({motion_time(session.truth[f]), answers[f]});
     return out;
   }
 

@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "lab/imu/ablation/takes_stand_in.h"
-#include "lab/imu/part_rig.h"
 #include "lab/imu/sensor_bound.h"
+#include "lab/imu/short_training.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/core/files.h"
 #include "mien/core/nearest_word.h"

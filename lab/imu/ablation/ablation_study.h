@@ -11,7 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include "lab/imu/person_errors.h"
 #include "lab/imu/short_training.h"
 #include "lab/interval.h"
 #include "lab/moments.h"

@@ -1,5 +1,3 @@
-#include "lab/imu/placement/placement_picture.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <cmath>
 
 #include "lab/imu/placement/placement_bound.h"
+#include "lab/imu/placement/placement_study.h"
 #include "lab/spread_on_skin.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/render/camera.h"

@@ -7,9 +7,8 @@
 #include <cmath>
 #include <utility>
 
-#include "lab/imu/part_rig.h"
-#include "lab/imu/person_errors.h"
 #include "lab/imu/placement/sensor_candidates.h"
+#include "lab/imu/short_training.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/measure/metrics.h"
 #include "mien/solve/part_of_work.h"

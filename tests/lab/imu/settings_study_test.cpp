@@ -82,10 +82,6 @@ TEST(StudyDrift, PerfectDevicesKeepTheSkinsRotation) {
   EXPECT_GT(drifts->front().rms_deg, 0);
   EXPECT_LT(drifts->front().rms_deg, 0.6);
   EXPECT_LE(drifts->front().vertical_rms_deg, drifts->front().rms_deg);
-  ASSERT_EQ(drifts->front().performer_rms_deg.size(), 2U);
-  EXPECT_LE(drifts->front().performer_rms_deg.front(), drifts->front().rms_deg);
-  EXPECT_GE(drifts->front().performer_rms_deg.back(), drifts->front().rms_deg);
-  EXPECT_EQ(drifts->front().missing, 0);
 }
 
 TEST(StudyDrift, FaultsShowAndSettingsAreCompared) {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lab/imu/part_rig.h"
+#include "lab/imu/short_training.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "tests/lab/imu/untrained.h"
 #include "tests/project_path.h"
