@@ -6,7 +6,6 @@
 
 #include "lab/trackers/mediapipe_scores.h"
 #include "lab/trackers/openseeface_log.h"
-#include "lab/trackers/time_line.h"
 #include "lab/trackers/tracker_curves.h"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <boost/asio/ip/udp.hpp>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <functional>
 #include <mutex>
 #include <span>
 #include <string_view>
@@ -37,13 +37,8 @@ class Overheard {
   std::size_t next_ = 0;  // The oldest of them, once there are kKept.
 };
 
-/// What a stranger says.
-class Speech {
- public:
-  virtual ~Speech() = default;
-  /// The next datagram of this one of his sockets, so many seconds after he began.
-  [[nodiscard]] virtual std::vector<std::byte> next(double time_s, std::size_t socket) = 0;
-};
+/// What a stranger says: the next datagram of one of his sockets, so many seconds after he began.
+using Speech = std::function<std::vector<std::byte>(double time_s, std::size_t socket)>;
 
 /// Whom a stranger takes for his victims.
 struct Victims {
@@ -61,7 +56,7 @@ struct Attack {
   double rate_hz = 0;         ///< Datagrams a second, from all sockets together.
   std::size_t addresses = 1;  ///< The stranger's, ...
   std::size_t sockets = 1;    ///< ... and how many ports on each of them.
-  std::unique_ptr<Speech> (*speech)(const Victims& victims, Random random) = nullptr;
+  Speech (*speech)(const Victims& victims, Random random) = nullptr;
   /// He behaves in every way as a sensor and speaks first: only a key or a choice on the page shuts him out.
   bool behaves = false;
   virt::NodeLanguage devices = virt::NodeLanguage::mien;  ///< What the attacked devices speak.
@@ -87,11 +82,19 @@ class Stranger {
 
   double rate_hz_;
   boost::asio::ip::udp::endpoint to_;
-  std::unique_ptr<Speech> speech_;
+  Speech speech_;
   boost::asio::io_context io_;
   std::vector<boost::asio::ip::udp::socket> sockets_;
   std::atomic<std::uint64_t> sent_ = 0;
   std::jthread thread_;  // The last: it uses the others.
 };
+
+/// A datagram with something wrong in it: bits turned over, its end cut off, or bytes behind it. Every second
+/// time it ends with the checksum that our packets have, and it is right all the same, so that what lies
+/// behind it is reached. Not empty.
+[[nodiscard]] std::vector<std::byte> damaged(std::vector<std::byte> datagram, Random& random);
+
+/// Its last bytes become the checksum of what stands before them; nothing of fewer bytes is changed.
+void mend_checksum(std::vector<std::byte>& datagram);
 
 }  // namespace mien::lab

@@ -1,10 +1,9 @@
-#include "lab/bench/attack_verdict.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "lab/bench/attacked_session.h"
 #include "mien/core/median.h"
 
 namespace mien::lab {

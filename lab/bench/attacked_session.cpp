@@ -1,16 +1,20 @@
-#include <utility>  // Before Asio 1.74, which forgets it.
-
 #include "lab/bench/attacked_session.h"
 
+#include <utility>  // Before Asio 1.74, which forgets it.
+//
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <functional>
 #include <map>
+#include <memory>
+#include <optional>
 #include <span>
 #include <thread>
 #include <vector>
@@ -29,6 +33,7 @@
 #include "mien/face/output_frame.h"
 #include "mien/measure/evaluation.h"
 #include "mien/modalities/modalities.h"
+#include "mien/sensor/rig.h"
 #include "mien/session/replay.h"
 #include "mien/take/take.h"
 
@@ -126,39 +131,75 @@ std::vector<face::BlendshapeWeights> shown(const virt::VirtualSession& played, D
   return all;
 }
 
-/// What the take tells that the session's summary does not.
-Result<void> read_take(const AttackScene& scene, const std::filesystem::path& path, const std::string& hash,
-                       AttackFigures& out) {
+/// A recorded session, and whether it replays to the same bits.
+struct RecordedSession {
+  std::vector<take::LogEntry> entries;
+  std::vector<take::StoredSample> samples;
+  std::vector<take::Tick> ticks;
+  std::vector<face::OutputFrame> frames;  ///< One a tick.
+  bool same_bits = false;
+
+  [[nodiscard]] const std::string& source(const take::StoredSample& sample) const {
+    return entries[static_cast<std::size_t>(sample.entry - 1)].source;
+  }
+  /// Frames beyond sixty a second; negative: too few.
+  [[nodiscard]] double added(HostTime from, HostTime to) const {
+    const auto fired = std::ranges::count_if(
+        ticks, [&](const take::Tick& tick) { return tick.fired >= from && tick.fired < to; });
+    return static_cast<double>(fired) - std::round(to_seconds(to - from) * kFrameRateHz);
+  }
+};
+
+Result<RecordedSession> read_recorded(const std::filesystem::path& path, const std::string& model,
+                                      const std::string& hash) {
+  RecordedSession out;
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(path));
-  MIEN_TRY_ASSIGN(const std::vector<take::LogEntry> entries, take.entries());
-  MIEN_TRY_ASSIGN(const std::vector<take::StoredSample> samples, take.samples());
-  MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
-  MIEN_TRY_ASSIGN(const auto session, modalities::make_session(take.rig(), scene.model));
-  std::vector<face::OutputFrame> frames;
+  MIEN_TRY_ASSIGN(out.entries, take.entries());
+  MIEN_TRY_ASSIGN(out.samples, take.samples());
+  MIEN_TRY_ASSIGN(out.ticks, take.ticks());
+  MIEN_TRY_ASSIGN(const auto session, modalities::make_session(take.rig(), model));
   MIEN_TRY(session::replay(take, *session, [&](const take::Tick&, const face::OutputFrame& frame) {
-    frames.push_back(frame);
+    out.frames.push_back(frame);
     return true;
   }));
   out.same_bits = session->hash() == hash;
+  return out;
+}
 
-  const auto begin = begin_of(scene.played, entries, samples);
+/// Starts `mien live` with this rig and model, recording to `take`; `more`: further arguments.
+Result<app::Child> start_live(const std::string& rig, const std::string& model,
+                              const std::filesystem::path& take, std::uint16_t sink_port,
+                              const std::vector<std::string>& more) {
+  MIEN_TRY_ASSIGN(const std::filesystem::path program, app::find_helper("mien"));
+  std::vector<std::string> command = {
+      program.string(), "live",        "--rig",  rig,
+      "--model",        model,         "--out",  fmt::format("livelink://127.0.0.1:{}", sink_port),
+      "--record",       take.string(), "--page", "off",
+      "--json"};
+  command.insert(command.end(), more.begin(), more.end());
+  return app::Child::start(std::move(command), app::Child::Input::none);
+}
+
+/// What the take tells that the session's summary does not.
+Result<void> read_take(const AttackScene& scene, const std::filesystem::path& path, const std::string& hash,
+                       AttackFigures& out) {
+  MIEN_TRY_ASSIGN(const RecordedSession recorded, read_recorded(path, scene.model, hash));
+  out.same_bits = recorded.same_bits;
+  const auto begin = begin_of(scene.played, recorded.entries, recorded.samples);
   if (!begin) return {};  // No device was heard, and that stands there.
   const auto is_evaluated = [](const take::TruthFrame& truth) { return truth.evaluated; };
   const auto& truth = scene.played.truth;
   const auto first = std::ranges::find_if(truth, is_evaluated) - truth.begin();
   const HostTime from = scene.played.ticks[static_cast<std::size_t>(first)].fired + *begin;
   const HostTime to = scene.played.ticks.back().fired + *begin;
-  for (const take::StoredSample& sample : samples) {
-    if (sample.arrival < from || sample.arrival >= to) continue;
-    const auto& source = entries[static_cast<std::size_t>(sample.entry - 1)].source;
-    ++(source.starts_with(kDevices) ? out.heard : out.strangers);
-  }
-  const auto fired = std::ranges::count_if(
-      ticks, [&](const take::Tick& tick) { return tick.fired >= from && tick.fired < to; });
-  out.added = static_cast<double>(fired) - std::round(to_seconds(to - from) * kFrameRateHz);
+  for (const take::StoredSample& sample : recorded.samples)
+    if (sample.arrival >= from && sample.arrival < to)
+      ++(recorded.source(sample).starts_with(kDevices) ? out.heard : out.strangers);
+  out.added = recorded.added(from, to);
   if (scene.meter)
-    out.pve_mm =
-        measure::measure_track(*scene.meter, truth, shown(scene.played, *begin, ticks, frames)).pve_mm.mean;
+    out.pve_mm = measure::measure_track(*scene.meter, truth,
+                                        shown(scene.played, *begin, recorded.ticks, recorded.frames))
+                     .pve_mm.mean;
   return {};
 }
 
@@ -170,22 +211,14 @@ std::filesystem::path take_in(const std::filesystem::path& folder) {
 Result<app::Child> start_session(const AttackScene& scene, const Boards& boards,
                                  const std::filesystem::path& folder, std::uint16_t port,
                                  std::uint16_t sink_port) {
-  MIEN_TRY_ASSIGN(const std::filesystem::path program, app::find_helper("mien"));
   const std::string address = fmt::format("udp://127.0.0.1:{}", port);
-  std::vector<std::string> command = {program.string(), "live",
-                                      "--rig",          scene.rig,
-                                      "--model",        scene.model,
-                                      "--listen",       address,
-                                      "--out",          fmt::format("livelink://127.0.0.1:{}", sink_port),
-                                      "--record",       take_in(folder).string(),
-                                      "--page",         "off",
-                                      "--json"};
+  std::vector<std::string> more = {"--listen", address};
   if (boards.keyed) {
     const std::filesystem::path key = folder / "key";
     MIEN_TRY(write_file(key, key_text(run_key(scene.seed))));
-    command.insert(command.end(), {"--key", key.string()});
+    more.insert(more.end(), {"--key", key.string()});
   }
-  MIEN_TRY_ASSIGN(app::Child session, app::Child::start(std::move(command), app::Child::Input::none));
+  MIEN_TRY_ASSIGN(app::Child session, start_live(scene.rig, scene.model, take_in(folder), sink_port, more));
   for (const auto from = Clock::now(); !somebody_listens(port);) {
     if (Clock::now() - from > kPatience) return fail(ErrorCode::io, "the session does not listen", address);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -218,23 +251,50 @@ Result<void> perform_for(const AttackScene& scene, const Boards& boards, std::ui
   return {};
 }
 
+namespace asio = boost::asio;
+
+/// In which a session asks its cameras, and ends when it is asked to.
+constexpr auto kAnswers = std::chrono::seconds(20);
+/// Of a session until it is judged: by then it has asked its cameras and its clocks have settled.
+constexpr double kBegins_s = 2;
+constexpr std::size_t kPicturesKept = 40;
+
+/// What the take tells of the time that is judged. `good`: addresses of the cameras that are heard.
+Result<void> read_camera_take(const CameraScene& scene, const std::filesystem::path& path,
+                              const std::string& hash, const std::array<std::string, 2>& good,
+                              AttackFigures& out) {
+  MIEN_TRY_ASSIGN(const RecordedSession recorded, read_recorded(path, scene.model, hash));
+  out.same_bits = recorded.same_bits;
+  std::optional<HostTime> from;
+  for (const take::StoredSample& sample : recorded.samples) {
+    if (std::ranges::find(good, recorded.source(sample)) == good.end()) continue;
+    if (!from) from = sample.arrival + from_seconds(kBegins_s);
+    if (sample.arrival >= *from && sample.arrival < *from + from_seconds(scene.seconds)) ++out.heard;
+  }
+  if (from) out.added = recorded.added(*from, *from + from_seconds(scene.seconds));
+  return {};
+}
+
 }  // namespace
 
-app::Json to_json(const AttackFigures& f) {
-  return {{"frames", f.frames},
-          {"added", f.added},
-          {"missed", f.missed},
-          {"p50_ms", f.p50_ms},
-          {"p99_ms", f.p99_ms},
-          {"peak_memory_mb", f.peak_memory_mb},
-          {"dropped", f.dropped},
-          {"evicted", f.evicted},
-          {"malformed", f.malformed},
-          {"heard", f.heard},
-          {"strangers_heard", f.strangers},
-          {"pve_mm", f.pve_mm ? app::Json(*f.pve_mm) : app::Json()},
-          {"sent", f.sent},
-          {"same_bits", f.same_bits}};
+const Columns<AttackFigures>& attack_columns() {
+  using F = AttackFigures;
+  static const Columns<F> columns = {
+      {"frames", "frames", "{:.0f}", &F::frames},
+      {"added", "added", "{:.0f}", &F::added},
+      {"missed", "missed", "{:.0f}", &F::missed},
+      {"p50_ms", "p50 ms", "{:.2f}", &F::p50_ms},
+      {"p99_ms", "p99 ms", "{:.2f}", &F::p99_ms},
+      {"peak_memory_mb", "MB", "{:.1f}", &F::peak_memory_mb},
+      {"dropped", "dropped", "{:.0f}", &F::dropped},
+      {"evicted", "", "", &F::evicted},
+      {"malformed", "", "", &F::malformed},
+      {"heard", "", "", &F::heard},
+      {"strangers_heard", "", "", &F::strangers},
+      {"pve_mm", "PVE mm", "{:.3f}", [](const F& f) { return or_null(f.pve_mm); }},
+      {"sent", "sent", "{:.0f}", &F::sent},
+      {"same_bits", "", "", &F::same_bits}};
+  return columns;
 }
 
 Result<std::string> read_summary(const app::ChildOutput& said, AttackFigures& out) {
@@ -311,6 +371,55 @@ Result<AttackFigures> run_attacked_session(const AttackScene& scene, const Attac
   stranger.reset();
   MIEN_TRY_ASSIGN(const std::string hash, read_summary(said, out));
   if (out.frames > 0) MIEN_TRY(read_take(scene, take_in(folder.path()), hash, out));
+  return out;
+}
+
+Result<CameraScene> set_camera_scene(double seconds, const std::string& model, std::uint64_t seed) {
+  CameraScene scene;
+  scene.seconds = seconds;
+  scene.seed = seed;
+  MIEN_TRY_ASSIGN(const std::filesystem::path path, app::path_or("", "rigs/headset.toml"));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(path));
+  MIEN_TRY_ASSIGN(const std::filesystem::path its_model, modalities::live_model(rig, model));
+  scene.rig = path.string();
+  scene.model = its_model.string();
+  scene.pictures = made_up_pictures(kPicturesKept);
+  return scene;
+}
+
+Result<AttackFigures> run_attacked_cameras(const CameraScene& scene, const Attack* attack,
+                                           const Progress& progress) {
+  MIEN_TRY_ASSIGN(const app::PrivateFolder folder, app::PrivateFolder::make());
+  MIEN_TRY_ASSIGN(const auto cameras, GoodCameras::open(scene.pictures, attack == nullptr ? 3 : 2));
+  std::unique_ptr<HostileCamera> hostile;
+  if (attack != nullptr)
+    hostile = std::make_unique<HostileCamera>(attack->camera, scene.pictures, scene.seed);
+  asio::io_context io;
+  const auto face = loopback(io);  // Somebody who gets the face, and does nothing with it.
+  const std::filesystem::path take = folder.path() / "take.mien";
+  const std::array<std::string, 2> good = {cameras->address(0), cameras->address(1)};
+  const std::string second =
+      hostile ? fmt::format("http://127.0.0.1:{}/", hostile->port()) : cameras->address(2);
+  MIEN_TRY_ASSIGN(app::Child session,
+                  start_live(scene.rig, scene.model, take, face.local_endpoint().port(),
+                             {"--listen", good[0], "--listen", second, "--listen", good[1]}));
+  for (const auto from = Clock::now(); !cameras->are_all_watched();) {
+    if (Clock::now() - from > kAnswers)
+      return fail(ErrorCode::io, "the session asks for no pictures", good[0]);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const double lasts_s = kBegins_s + scene.seconds + 0.5;
+  for (const auto begun = Clock::now(); seconds_since(begun) < lasts_s;) {
+    if (!progress(seconds_since(begun) / lasts_s, attack == nullptr ? "nobody attacks" : attack->name))
+      return fail(ErrorCode::cancelled, "stopped", "bench attack");
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  AttackFigures out;
+  if (hostile) out.sent = static_cast<double>(hostile->sent());
+  // It is asked to end while the camera goes on.
+  MIEN_TRY_ASSIGN(const app::ChildOutput said, session.stop(kAnswers));
+  MIEN_TRY_ASSIGN(const std::string hash, read_summary(said, out));
+  if (out.frames > 0) MIEN_TRY(read_camera_take(scene, take, hash, good, out));
   return out;
 }
 

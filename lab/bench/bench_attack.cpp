@@ -1,7 +1,7 @@
+#include "lab/bench/benchmarks.h"
+
 #include <utility>  // Before Asio 1.74, which forgets it.
-
-#include "lab/bench/bench_attack.h"
-
+//
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,7 +10,6 @@
 #include <chrono>
 #include <iterator>
 #include <memory>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,8 +18,6 @@
 #include "app/live/perform_network.h"
 #include "app/seed_option.h"
 #include "lab/bench/attack.h"
-#include "lab/bench/attack_verdict.h"
-#include "lab/bench/attacked_cameras.h"
 #include "lab/bench/attacked_session.h"
 #include "lab/bench/clock.h"
 #include "mien/sensor/rig.h"
@@ -107,13 +104,14 @@ std::string verdict(const Attack& attack, bool keyed, const std::vector<std::str
   return attack.behaves && !keyed ? "only a key or a choice on the page" : "held";
 }
 
-void print_row(std::string_view name, const AttackFigures& f, double heard_without,
-               std::string_view verdict) {
-  fmt::print(
-      "{:<15} {:>7.0f} {:>6.0f} {:>7.0f} {:>7.2f} {:>7.2f} {:>7.1f} {:>9.0f} {:>9.0f} {:>7} {:>6.1f}  {}\n",
-      name, f.frames, f.added, f.missed, f.p50_ms, f.p99_ms, f.peak_memory_mb, f.sent, f.dropped,
-      f.pve_mm ? fmt::format("{:.3f}", *f.pve_mm) : "-",
-      heard_without > 0 ? 100 * f.heard / heard_without : 0.0, verdict);
+/// `heard_without`: by the same session without a stranger.
+std::vector<std::string> attack_cells(std::string_view name, const AttackFigures& f, double heard_without,
+                                      const std::string& verdict) {
+  std::vector<std::string> cells = cells_of(f, attack_columns());
+  cells.insert(cells.begin(), std::string(name));
+  cells.push_back(fmt::format("{:.1f}", heard_without > 0 ? 100 * f.heard / heard_without : 0.0));
+  cells.push_back(verdict);
+  return cells;
 }
 
 std::string_view title_of(const Part& part) {
@@ -130,35 +128,33 @@ std::string_view devices_of(const Part& part) {
 /// Its rows, printed unless JSON is asked for, and how many of them are not held.
 std::size_t conclude(const Part& part, bool print, app::Json& json) {
   const AttackFigures quiet = median(part.quiet);
-  if (print) {
-    fmt::print("{}\n{:<15} {:>7} {:>6} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>7} {:>6}\n", title_of(part),
-               "stranger", "frames", "added", "missed", "p50 ms", "p99 ms", "MB", "sent", "dropped", "PVE mm",
-               "heard");
-    print_row("nobody", quiet, quiet.heard, "");
-  }
+  measure::Table table = table_of(std::string(title_of(part)), {}, attack_columns());
+  table.columns.insert(table.columns.begin(), "stranger");
+  table.columns.insert(table.columns.end(), {"heard, %", "verdict"});
+  table.rows.push_back(attack_cells("nobody", quiet, quiet.heard, ""));
   std::size_t not_held = 0;
-  app::Json rows = app::Json::array(), quiet_runs = app::Json::array();
-  for (const AttackFigures& run : part.quiet) quiet_runs.push_back(to_json(run));
+  app::Json rows = app::Json::array();
   for (std::size_t i = 0; i < part.attacks.size(); ++i) {
     const Attack& attack = *part.attacks[i];
     const auto wrong = breaches(attack, part.boards.keyed, part.attacked[i], part.quiet);
     const std::string said = verdict(attack, part.boards.keyed, wrong);
     not_held += wrong.empty() ? 0 : 1;
     const AttackFigures figures = median(part.attacked[i]);
-    if (print) print_row(attack.name, figures, quiet.heard, said);
-    app::Json runs = app::Json::array();
-    for (const AttackFigures& run : part.attacked[i]) runs.push_back(to_json(run));
+    table.rows.push_back(attack_cells(attack.name, figures, quiet.heard, said));
     rows.push_back({{"attack", attack.name},
                     {"does", attack.does},
-                    {"median", to_json(figures)},
-                    {"runs", std::move(runs)},
+                    {"median", json_of(figures, attack_columns())},
+                    {"runs", json_of(part.attacked[i], attack_columns())},
                     {"breaches", wrong},
                     {"verdict", said}});
   }
-  json.push_back({{"key", part.boards.keyed},
-                  {"boards", devices_of(part)},
-                  {"nobody", {{"median", to_json(quiet)}, {"runs", std::move(quiet_runs)}}},
-                  {"attacks", std::move(rows)}});
+  json.push_back(
+      {{"key", part.boards.keyed},
+       {"boards", devices_of(part)},
+       {"nobody",
+        {{"median", json_of(quiet, attack_columns())}, {"runs", json_of(part.quiet, attack_columns())}}},
+       {"attacks", std::move(rows)}});
+  if (print) fmt::print("{}\n", measure::plain_text(table));
   return not_held;
 }
 

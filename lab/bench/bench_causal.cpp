@@ -1,28 +1,64 @@
-#include "lab/bench/bench_causal.h"
+#include "lab/bench/benchmarks.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
-#include <thread>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "app/command.h"
 #include "app/json_output.h"
-#include "lab/bench/bench_peers.h"
+#include "app/trainer_helper.h"
 #include "lab/bench/clock.h"
-#include "lab/bench/paced.h"
+#include "lab/bench/onnx_peer.h"
+#include "lab/commands/output.h"
+#include "mien/core/error.h"
 #include "mien/core/time.h"
 #include "mien/face/frame_hash.h"
 #include "mien/model/peak.h"
+#include "mien/model/precision.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/crowd.h"
 
 namespace mien::lab {
 namespace {
+
+/// What `mien bench causal` is asked.
+struct CausalBench {
+  std::string model;  ///< Empty: the default live model.
+  std::string precision{model::precision_name(tracker::kLivePrecision)};
+  int frames = 3600;
+  bool no_peers = false;  ///< ONNX Runtime and libtorch are not run.
+  Output to;
+};
+
+/// How fast somebody else's run time does the same cached step with the same weights, in fp32 on one thread.
+struct Peer {
+  std::optional<double> step_us;  ///< Of a step; nothing where the peer is not here.
+  std::string why_not;            ///< Then the reason, for people.
+};
+
+/// ONNX Runtime, on the model exported to ONNX: the quickest rounds of its best graph
+/// (lab/bench/onnx_peer.h).
+Peer onnxruntime_step(const std::filesystem::path& model) {
+  const auto times = measure_onnxruntime({.model = model});
+  if (!times) return {.step_us = std::nullopt, .why_not = times.error().message()};
+  return {.step_us = 1e6 * times->best_step_s, .why_not = {}};
+}
+
+/// libtorch, in the helper mien-train: its quickest rounds.
+Peer libtorch_step(const std::filesystem::path& model) {
+  const auto said = app::ask_trainer({"step", model.string(), "--json"});
+  if (!said) return {.step_us = std::nullopt, .why_not = said.error().message()};
+  const auto told = nlohmann::json::parse(*said, nullptr, false);
+  if (!told.is_object() || !told.contains("step_us") || !told["step_us"].is_number())
+    return {.step_us = std::nullopt, .why_not = "mien-train did not say how long a step took"};
+  return {.step_us = told["step_us"].get<double>(), .why_not = {}};
+}
 
 constexpr double kFrameS = 1.0 / 60;
 /// Of what the third cache's rate is measured: more than most second caches, less than most third ones.
@@ -53,26 +89,17 @@ struct PacedFrames {
 /// Whole frames, sixty a second, with cold caches.
 Result<PacedFrames> measure_paced(tracker::CausalTracker& tracker, std::size_t frames,
                                   const Progress& progress) {
-  OtherProgram other;
-  std::vector<double> took(frames);
   face::FrameHash hash;
   face::OutputFrame out;
   tracker.reset();
-  auto next = Clock::now();
-  for (std::size_t f = 0; f < frames; ++f) {
-    const model::FeatureFrame features = moving_sensors(tracker.file().features.sensors.size(), f, 0);
-    other.read();
-    // A frame that the machine kept from us does not make the next one hurry.
-    next = std::max(next + std::chrono::nanoseconds(16'666'667), Clock::now());
-    std::this_thread::sleep_until(next);
-    const auto from = Clock::now();
-    tracker.step(features, out);
-    took[f] = seconds_since(from);
-    hash.add(out);
-    if (!progress(static_cast<double>(f + 1) / static_cast<double>(frames),
-                  "frames at 60 a second, caches cold"))
-      return fail(ErrorCode::cancelled, "stopped before it was done", "bench causal");
-  }
+  const std::size_t sensors = tracker.file().features.sensors.size();
+  std::vector<model::FeatureFrame> features;
+  for (std::size_t f = 0; f < frames; ++f) features.push_back(moving_sensors(sensors, f, 0));
+  MIEN_TRY_ASSIGN(std::vector<double> took,
+                  measure_sixty_hz(frames, "bench causal", "frames", progress, [&](std::size_t f) {
+                    tracker.step(features[f], out);
+                    hash.add(out);
+                  }));
   return PacedFrames{spread_of(std::move(took)), hash.hex()};
 }
 
@@ -158,10 +185,9 @@ app::Json as_json(const CausalBench& options, const Figures& f, const std::strin
   return json;
 }
 
-void print_causal(const CausalBench& options, const Figures& f, const std::string& kernels) {
-  const auto line = [](const char* what, const std::string& value) {
-    fmt::print("{:<46} {}\n", what, value);
-  };
+measure::Report report_of(const CausalBench& options, const Figures& f, const std::string& kernels) {
+  measure::Table table{.caption = "", .columns = {"", ""}, .rows = {}, .strong_rows = {}};
+  const auto line = [&](const char* what, const std::string& value) { table.rows.push_back({what, value}); };
   line("a frame at 60 a second, caches cold",
        fmt::format("p50 {:.3f} ms, p99 {:.3f} ms", 1e3 * f.paced.frame.p50_s, 1e3 * f.paced.frame.p99_s));
   line("a step in a hot loop", fmt::format("{:.1f} us", 1e6 * f.hot_step_s));
@@ -184,11 +210,16 @@ void print_causal(const CausalBench& options, const Figures& f, const std::strin
        fmt::format("{:.0f} GFLOP/s; this core's fp32 peak is {:.0f}",
                    1e-9 * f.flop * static_cast<double>(kTogether) / f.crowd.p50_s, f.peak_gflops));
   if (f.performers_per_core() < kCrowd) line("  why not 500", f.crowd_limit());
-  fmt::print("{} frames of {}; kernels {}, hash {}\n", options.frames, options.model, kernels, f.paced.hash);
+  measure::Report report("The live model alone",
+                         fmt::format("{} frames of {}; kernels {}, hash {}", options.frames, options.model,
+                                     kernels, f.paced.hash));
+  report.table(table);
+  return report;
 }
 
-}  // namespace
-
+/// Measures the live model's frame as a session lives it, its step in a hot loop, and how many performers one
+/// core carries; beside what the core can do at most, measured in the same run. Prints it. Errors: the model
+/// reader's and the tracker's; cancelled.
 Result<void> run_causal_bench(const CausalBench& asked) {
   CausalBench options = asked;
   const std::optional<model::Precision> precision = model::precision_from_name(options.precision);
@@ -221,14 +252,28 @@ Result<void> run_causal_bench(const CausalBench& asked) {
   }
   f.crowd = measure_crowd(crowd, file.features.sensors.size());
   MIEN_TRY_ASSIGN(f.paced, measure_paced(tracker, static_cast<std::size_t>(options.frames), progress));
-  app::clear_progress();
-
   const std::string kernels = model::kernel_name(*precision);
-  if (options.json)
-    app::print_json(as_json(options, f, kernels));
-  else
-    print_causal(options, f, kernels);
-  return {};
+  return put_out(options.to, report_of(options, f, kernels), as_json(options, f, kernels));
+}
+
+}  // namespace
+
+void add_causal_bench(app::Commands& commands, app::Command bench) {
+  auto asked = std::make_shared<CausalBench>();
+  const app::Command causal = commands.add_under(
+      bench, "causal",
+      "The live model alone: a whole frame paced at 60 a second with cold caches, a step in a hot loop "
+      "beside other "
+      "run times, and how many performers one core carries, beside the core's measured peak",
+      "mien bench causal --precision int8 --json", [asked] { return run_causal_bench(*asked); });
+  causal.add_option("--precision", asked->precision, "What its linear layers multiply in: fp32, bf16 or int8")
+      .show_default();
+  causal.add_option("--frames", asked->frames, "Frames of a 60th of a second")
+      .in_range(1, 1'000'000)
+      .show_default();
+  causal.add_option("--model", asked->model, "The live model (default: models/live.safetensors)");
+  causal.add_flag("--no-peers", asked->no_peers, "Do not run ONNX Runtime and libtorch beside it");
+  app::add_json_flag(causal, asked->to.json);
 }
 
 }  // namespace mien::lab

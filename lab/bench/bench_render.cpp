@@ -1,8 +1,7 @@
-#include "lab/bench/bench_render.h"
+#include "lab/bench/benchmarks.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <ctime>
 #include <memory>
 #include <string>
@@ -11,7 +10,6 @@
 #include "app/chosen_face.h"
 #include "app/json_output.h"
 #include "lab/bench/clock.h"
-#include "lab/bench/times.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/builtin_face/skin_folds.h"
 #include "mien/face/motion.h"

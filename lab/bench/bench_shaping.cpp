@@ -1,4 +1,4 @@
-#include "lab/bench/bench_shaping.h"
+#include "lab/bench/benchmarks.h"
 
 #include <fmt/format.h>
 
@@ -6,12 +6,12 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "app/json_output.h"
 #include "lab/bench/clock.h"
+#include "lab/commands/output.h"
 #include "mien/core/random.h"
 #include "mien/core/time.h"
 #include "mien/face/frame_hash.h"
@@ -32,7 +32,7 @@ constexpr std::size_t kCycle = 600;  ///< Frames that are prepared: ten seconds,
 
 struct ShapingBench {
   int frames = 20'000;
-  bool json = false;
+  Output to;
 };
 
 /// Ten seconds of three trackers, IMUs, glasses and gaze: every shape its own wave with noise on it, with a
@@ -121,8 +121,22 @@ Took measure_chain(const std::vector<std::array<OutputFrame, kTrackers>>& cycle,
   return {share(0.5), share(0.99), 1e6 * took.back(), hash.hex()};
 }
 
-app::Json as_json(const Took& took) {
-  return {{"p50_us", took.p50_us}, {"p99_us", took.p99_us}, {"max_us", took.largest_us}, {"hash", took.hash}};
+/// A chain, and what it took.
+struct ShapingRow {
+  std::string what;
+  shaping::ShaperSettings settings;
+  Took took;
+};
+
+const Columns<ShapingRow>& shaping_columns() {
+  using Row = ShapingRow;
+  static const Columns<Row> columns = {
+      {"", "", "{}", &Row::what},
+      {"p50_us", "p50, us", "{:.2f}", [](const Row& row) { return row.took.p50_us; }},
+      {"p99_us", "p99", "{:.2f}", [](const Row& row) { return row.took.p99_us; }},
+      {"max_us", "max", "{:.2f}", [](const Row& row) { return row.took.largest_us; }},
+      {"hash", "", "", [](const Row& row) { return row.took.hash; }}};
+  return columns;
 }
 
 Result<void> run_shaping_bench(const ShapingBench& options) {
@@ -133,12 +147,7 @@ Result<void> run_shaping_bench(const ShapingBench& options) {
   shaping::ShaperSettings nothing = everything;
   nothing.off.set();
 
-  struct Row {
-    std::string what;
-    shaping::ShaperSettings settings;
-    Took took;
-  };
-  std::vector<Row> rows = {{"the whole chain", everything, {}}, {"every step off", nothing, {}}};
+  std::vector<ShapingRow> rows = {{"the whole chain", everything, {}}, {"every step off", nothing, {}}};
   for (std::size_t step = 0; step < shaping::kChainStepCount; ++step) {
     rows.push_back({std::string(shaping::kChainStepNames[step]), everything, {}});
     rows.back().settings.off.set(step);
@@ -154,40 +163,28 @@ Result<void> run_shaping_bench(const ShapingBench& options) {
         return fail(ErrorCode::cancelled, "stopped before it was done", "bench shaping");
     }
   const Took &all = rows[0].took, &none = rows[1].took;
-  const std::span<const Row> without(rows.begin() + 2, rows.end());
-  app::clear_progress();
-
   const double frame_us = 1e6 / kFrameRateHz;
-  if (options.json) {
-    app::Json steps = app::Json::object();
-    for (const Row& row : without) {
-      steps[row.what] = as_json(row.took);
-      steps[row.what]["costs_us"] = all.p50_us - row.took.p50_us;
-    }
-    app::Json json = as_json(all);
-    json["frames"] = frames;
-    json["trackers"] = kTrackers;
-    json["profile"] = "openxr_fb_70";
-    json["every_step_off"] = as_json(none);
-    json["vs_every_step_off"] = all.p50_us / none.p50_us;
-    json["share_of_a_frame"] = all.p50_us / frame_us;
-    json["without"] = std::move(steps);
-    app::print_json(json);
-    return {};
+  app::Json json = json_of(rows[0], shaping_columns());
+  json["frames"] = frames;
+  json["trackers"] = kTrackers;
+  json["profile"] = "openxr_fb_70";
+  json["every_step_off"] = json_of(rows[1], shaping_columns());
+  json["vs_every_step_off"] = all.p50_us / none.p50_us;
+  json["share_of_a_frame"] = all.p50_us / frame_us;
+  measure::Report report("The chain of shaping",
+                         fmt::format("{} frames of three trackers, out to openxr_fb_70", frames));
+  measure::Table table = table_of("", rows, shaping_columns());
+  for (std::size_t r = 2; r < rows.size(); ++r) {
+    app::Json& step = json["without"][rows[r].what] = json_of(rows[r], shaping_columns());
+    step["costs_us"] = all.p50_us - rows[r].took.p50_us;
+    table.rows[r].front() = "without " + rows[r].what;
   }
-  fmt::print("{:<34} {:>8} {:>8} {:>8}   us\n", "", "p50", "p99", "max");
-  const auto line = [](const std::string& what, const Took& took) {
-    fmt::print("{:<34} {:8.2f} {:8.2f} {:8.2f}\n", what, took.p50_us, took.p99_us, took.largest_us);
-  };
-  line(rows[0].what, all);
-  line(rows[1].what, none);
-  for (const Row& row : without) line("without " + row.what, row.took);
-  fmt::print(
-      "{} frames of three trackers, out to openxr_fb_70; p50 {:.1f} times that with every step off, {:.2f} % "
-      "of "
-      "a frame at 60 a second\nhash {}\n",
-      frames, all.p50_us / none.p50_us, 100 * all.p50_us / frame_us, all.hash);
-  return {};
+  report.table(table);
+  report.text(
+      fmt::format("p50 {:.1f} times that with every step off, {:.2f} % of a frame at 60 a second; "
+                  "hash {}",
+                  all.p50_us / none.p50_us, 100 * all.p50_us / frame_us, all.hash));
+  return put_out(options.to, report, json);
 }
 
 }  // namespace
@@ -203,7 +200,7 @@ void add_shaping_bench(app::Commands& commands, app::Command bench) {
   command.add_option("--frames", options->frames, "How many frames are measured, five times a row")
       .in_range(600, 10'000'000)
       .show_default();
-  app::add_json_flag(command, options->json);
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace mien::lab

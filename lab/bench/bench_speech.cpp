@@ -1,4 +1,4 @@
-#include "lab/bench/bench_speech.h"
+#include "lab/bench/benchmarks.h"
 
 #include <fmt/format.h>
 
@@ -9,6 +9,7 @@
 
 #include "app/json_output.h"
 #include "lab/bench/clock.h"
+#include "lab/commands/output.h"
 #include "mien/core/files.h"
 #include "mien/core/wav.h"
 #include "mien/speech/listeners.h"
@@ -20,7 +21,7 @@ namespace {
 
 struct SpeechBench {
   std::string sound, model;
-  bool json = false;
+  Output to;
 };
 
 struct HeardIn {
@@ -29,6 +30,17 @@ struct HeardIn {
   double core = 0;     ///< Share of a core that real time takes.
   double shown_s = 0;  ///< What its newest answer is of, before the block's end.
 };
+
+const Columns<HeardIn>& heard_columns() {
+  static const Columns<HeardIn> columns = {{"", "", "{}", &HeardIn::way},
+                                           {"p50_ms", "p50 ms", "{:.3f}", &HeardIn::p50_ms},
+                                           {"p99_ms", "p99 ms", "{:.3f}", &HeardIn::p99_ms},
+                                           {"max_ms", "max ms", "{:.3f}", &HeardIn::largest_ms},
+                                           {"share_of_a_core", "core, %", "{:.2f}", &HeardIn::core, 100},
+                                           {"answer_is_older_ms", "answer is older, ms", "{:.0f}",
+                                            [](const HeardIn& row) { return 1e3 * row.shown_s; }}};
+  return columns;
+}
 
 /// From a block to the frame that shows it, block by block.
 HeardIn measure_listener(const std::string& way, speech::Listener& listener,
@@ -75,28 +87,16 @@ Result<void> run_speech_bench(const SpeechBench& options) {
     measure_listener("", *listener, blocks);
     listener->reset();
   }
-  const HeardIn rows[] = {measure_listener("network", learned, blocks),
-                          measure_listener("phones", phones, blocks)};
-  if (options.json) {
-    app::Json json = {{"sound", options.sound}, {"blocks", blocks.size()}};
-    for (const HeardIn& row : rows)
-      json[row.way] = {{"p50_ms", row.p50_ms},
-                       {"p99_ms", row.p99_ms},
-                       {"max_ms", row.largest_ms},
-                       {"share_of_a_core", row.core},
-                       {"answer_is_older_ms", 1e3 * row.shown_s}};
-    json["phones_over_network"] = rows[1].core / rows[0].core;
-    app::print_json(json);
-    return {};
-  }
-  fmt::print("{:<10} {:>8} {:>8} {:>8} {:>8} {:>18}\n", "", "p50 ms", "p99 ms", "max ms", "core %",
-             "answer is older ms");
-  for (const HeardIn& row : rows)
-    fmt::print("{:<10} {:8.3f} {:8.3f} {:8.3f} {:8.2f} {:18.0f}\n", row.way, row.p50_ms, row.p99_ms,
-               row.largest_ms, 100 * row.core, 1e3 * row.shown_s);
-  fmt::print("{} blocks of 20 ms; phones take {:.1f} times as much of a core as the network\n", blocks.size(),
-             rows[1].core / rows[0].core);
-  return {};
+  const std::vector<HeardIn> rows = {measure_listener("network", learned, blocks),
+                                     measure_listener("phones", phones, blocks)};
+  app::Json json = {{"sound", options.sound}, {"blocks", blocks.size()}};
+  for (const HeardIn& row : rows) json[row.way] = json_of(row, heard_columns());
+  json["phones_over_network"] = rows[1].core / rows[0].core;
+  measure::Report report("From sound to the mouth", fmt::format("{} blocks of 20 ms", blocks.size()));
+  report.table(table_of("", rows, heard_columns()));
+  report.text(
+      fmt::format("Phones take {:.1f} times as much of a core as the network.", rows[1].core / rows[0].core));
+  return put_out(options.to, report, json);
 }
 
 }  // namespace
@@ -108,7 +108,7 @@ void add_speech_bench(app::Commands& commands, app::Command bench) {
       "mien bench speech talk.wav", [options] { return run_speech_bench(*options); });
   command.add_option("sound", options->sound, "A WAV file of speech").required();
   command.add_option("--model", options->model, "The network (default: models/speech.safetensors)");
-  app::add_json_flag(command, options->json);
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace mien::lab

@@ -1,7 +1,7 @@
+#include "lab/bench/benchmarks.h"
+
 #include <utility>  // Before Asio 1.74, which forgets it.
-
-#include "lab/bench/bench_start.h"
-
+//
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,9 +22,8 @@
 #include "app/json_output.h"
 #include "app/live/perform_network.h"
 #include "lab/bench/clock.h"
-#include "lab/bench/good_cameras.h"
+#include "lab/bench/hostile_camera.h"
 #include "lab/bench/loopback.h"
-#include "lab/bench/times.h"
 #include "mien/core/files.h"
 
 namespace mien::lab {

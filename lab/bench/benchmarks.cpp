@@ -1,7 +1,7 @@
-#include <utility>  // Before Asio 1.74, which forgets it.
-
 #include "lab/bench/benchmarks.h"
 
+#include <utility>  // Before Asio 1.74, which forgets it.
+//
 #include <fmt/format.h>
 
 #include <array>
@@ -19,14 +19,6 @@
 #include "app/live/live_session.h"
 #include "app/live/perform_network.h"
 #include "app/live/running_session.h"
-#include "lab/bench/bench_attack.h"
-#include "lab/bench/bench_causal.h"
-#include "lab/bench/bench_headset.h"
-#include "lab/bench/bench_onnxruntime.h"
-#include "lab/bench/bench_render.h"
-#include "lab/bench/bench_shaping.h"
-#include "lab/bench/bench_speech.h"
-#include "lab/bench/bench_start.h"
 #include "lab/bench/clock.h"
 #include "lab/bench/loopback.h"
 #include "mien/core/files.h"
@@ -220,38 +212,8 @@ void add_benchmarks(app::Commands& commands) {
   add_shaping_bench(commands, bench);
   add_speech_bench(commands, bench);
   add_onnxruntime_bench(commands, bench);
-
-  auto asked = std::make_shared<CausalBench>();
-  const app::Command causal = commands.add_under(
-      bench, "causal",
-      "The live model alone: a whole frame paced at 60 a second with cold caches, a step in a hot loop "
-      "beside other "
-      "run times, and how many performers one core carries, beside the core's measured peak",
-      "mien bench causal --precision int8 --json", [asked] { return run_causal_bench(*asked); });
-  causal.add_option("--precision", asked->precision, "What its linear layers multiply in: fp32, bf16 or int8")
-      .show_default();
-  causal.add_option("--frames", asked->frames, "Frames of a 60th of a second")
-      .in_range(1, 1'000'000)
-      .show_default();
-  causal.add_option("--model", asked->model, "The live model (default: models/live.safetensors)");
-  causal.add_flag("--no-peers", asked->no_peers, "Do not run ONNX Runtime and libtorch beside it");
-  app::add_json_flag(causal, asked->json);
-
-  auto headset = std::make_shared<HeadsetBench>();
-  const app::Command cameras =
-      commands.add_under(bench, "headset",
-                         "A headset's four views of 96 x 96 pixels through the networks of pictures, with "
-                         "random weights, in each "
-                         "precision: paced at 60 a second with cold caches and in a hot loop, beside ONNX "
-                         "Runtime and the core's "
-                         "measured peak",
-                         "mien bench headset --json", [headset] { return run_headset_bench(*headset); });
-  cameras.add_option("--frames", headset->frames, "Paced frames of a 60th of a second, in each precision")
-      .in_range(1, 1'000'000)
-      .show_default();
-  cameras.add_option("--seed", headset->seed, "Of the weights and the pictures").show_default();
-  cameras.add_flag("--no-peers", headset->no_peers, "Do not run ONNX Runtime beside it");
-  app::add_json_flag(cameras, headset->json);
+  add_causal_bench(commands, bench);
+  add_headset_bench(commands, bench);
 }
 
 }  // namespace mien::lab

@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <span>
 #include <utility>
 
 #include "app/child_program.h"
+#include "app/json_output.h"
 #include "app/private_folder.h"
+#include "lab/bench/benchmarks.h"
+#include "lab/commands/output.h"
 #include "mien/core/files.h"
 #include "mien/core/random.h"
 #include "mien/core/sha256.h"
@@ -18,7 +22,9 @@
 #include "mien/onnx/export_model.h"
 
 namespace mien::lab {
+
 namespace fs = std::filesystem;
+
 namespace {
 
 using Floats = std::vector<float>;
@@ -160,6 +166,56 @@ Result<PeerTimes> read_times(const app::Json& told, const std::vector<PeerGraph>
   return times;
 }
 
+struct BenchOnnxruntimeOptions {
+  std::vector<std::string> models;
+  PeerRequest request;
+  Output to;
+};
+
+const Columns<PeerTimes::Graph>& graph_columns() {
+  using Graph = PeerTimes::Graph;
+  static const Columns<Graph> columns = {
+      {"steps", "steps", "{}", &Graph::steps},
+      {"run_us", "a run, us", "{:.1f}", [](const Graph& g) { return 1e6 * g.run_s; }},
+      {"echo_us", "doing nothing", "{:.1f}", [](const Graph& g) { return 1e6 * g.echo_s; }},
+      {"step_us", "a step", "{:.2f}", [](const Graph& g) { return 1e6 * g.step_s; }},
+      {"best_step_us", "best step", "{:.2f}", [](const Graph& g) { return 1e6 * g.best_step_s; }}};
+  return columns;
+}
+
+app::Json peer_figures(const std::string& model, const PeerTimes& times) {
+  return {{"model", model},
+          {"kind", times.kind},
+          {"onnxruntime", times.version},
+          {"node", times.node},
+          {"step_us", 1e6 * times.step_s},
+          {"best_step_us", 1e6 * times.best_step_s},
+          {"graphs", json_of(times.graphs, graph_columns())},
+          {"largest_difference", times.largest_difference},
+          {"hash", times.hash}};
+}
+
+Result<void> run_bench_onnxruntime(BenchOnnxruntimeOptions options) {
+  if (options.models.empty())
+    for (const char* name : {"models/live.safetensors", "models/default.safetensors"}) {
+      MIEN_TRY_ASSIGN(const std::filesystem::path path, find_resource(name));
+      options.models.push_back(path.string());
+    }
+  app::Json measured = app::Json::array();
+  measure::Report report("ONNX Runtime, one thread, fp32");
+  for (const std::string& model : options.models) {
+    options.request.model = model;
+    MIEN_TRY_ASSIGN(const PeerTimes times, measure_onnxruntime(options.request));
+    measured.push_back(peer_figures(model, times));
+    report.table(table_of(
+        fmt::format("{} ({}), ONNX Runtime {}, Node {}", model, times.kind, times.version, times.node),
+        times.graphs, graph_columns()));
+    report.text(fmt::format("At its best {:.2f} us a step; differs from our run time by {:.2g}; hash {}",
+                            1e6 * times.step_s, times.largest_difference, times.hash));
+  }
+  return put_out(options.to, report, {{"models", measured}});
+}
+
 }  // namespace
 
 Result<PeerTimes> measure_graphs(const std::vector<PeerGraph>& graphs, const PeerEffort& effort) {
@@ -182,6 +238,21 @@ Result<PeerTimes> measure_onnxruntime(const PeerRequest& request) {
   MIEN_TRY_ASSIGN(PeerTimes times, measure_graphs(graphs, request.effort));
   times.kind = model.architecture.kind == model::NetworkKind::causal ? "causal" : "window";
   return times;
+}
+
+void add_onnxruntime_bench(app::Commands& commands, app::Command bench) {
+  auto options = std::make_shared<BenchOnnxruntimeOptions>();
+  const app::Command command = commands.add_under(
+      bench, "onnxruntime",
+      "ONNX Runtime on the same networks, one thread: a causal network's steps in a row within one graph, a "
+      "window network's full window",
+      "mien bench onnxruntime --json", [options] { return run_bench_onnxruntime(*options); });
+  command.add_option("--model", options->models,
+                     "A model file; may be given many times (default: the live and the window model)");
+  command.add_option("--rounds", options->request.effort.rounds, "Rounds through all graphs")
+      .in_range(1, 1000)
+      .show_default();
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace mien::lab

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 
+#include "app/command_line.h"
 #include "lab/imu/short_training.h"
 
 namespace mien::lab {
@@ -14,5 +16,17 @@ namespace mien::lab {
 /// folder's models are of another build of the trainer, or of an unknown one), io (another study works there;
 /// the folder); of what it returns: io (a full disk; what the trainer says), cancelled.
 [[nodiscard]] Result<TrainShort> train_by_helper(const std::filesystem::path& folder);
+
+/// How much a study by short trainings does, before --quick makes less of it.
+struct ShortTrainingAmounts {
+  std::size_t& seeds;
+  std::size_t& steps;
+  synthetic::DataRecipe& data;
+  std::size_t& test_people;
+  int fewest_people = 1;  ///< That an interval needs.
+};
+
+/// --seeds, --steps, --performers and --people.
+void add_short_training_options(app::Command command, const ShortTrainingAmounts& amounts);
 
 }  // namespace mien::lab

@@ -1,4 +1,4 @@
-#include "lab/commands/study_ablation.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -12,10 +12,10 @@
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
-#include "lab/commands/interval_json.h"
-#include "lab/commands/short_training_options.h"
+#include "lab/columns.h"
+#include "lab/commands/output.h"
 #include "lab/commands/short_trainings.h"
-#include "lab/imu/ablation/ablation_report.h"
+#include "lab/imu/ablation/ablation_study.h"
 #include "mien/core/files.h"
 #include "mien/dataset/training_takes.h"
 
@@ -27,10 +27,9 @@ struct StudyAblationOptions {
   std::string rig, takes, splits;
   std::vector<std::string> motions;
   std::string face = "builtin";
-  std::string out;
   bool no_shipped = false;
   bool quick = false;
-  bool json = false;
+  Output to;
 };
 
 /// Less of everything, in two minutes: enough to see that it works, too little to compare anything.
@@ -171,31 +170,16 @@ Result<void> run_study_ablation(StudyAblationOptions options) {
     app::clear_progress();
     fmt::print(stderr, "mien: {}\n", sentence);
   };
-  const std::filesystem::path folder = options.out;
-  MIEN_TRY_ASSIGN(const TrainShort train, train_by_helper(folder / "trainings"));
+  MIEN_TRY_ASSIGN(const TrainShort train,
+                  train_by_helper(std::filesystem::path(options.to.out) / "trainings"));
 
   MIEN_TRY_ASSIGN(const AblationStudy study,
                   study_ablation(request, train, app::terminal_progress("ablation")));
-  app::clear_progress();
   const std::string subtitle =
       fmt::format("{} trainings a row of {} steps, seed {}{}", request.seeds, request.steps, request.seed,
                   options.quick ? "; quick, compares nothing" : "");
-  std::string text = plain_text(beside_the_paper(study)) + "\n";
-  for (std::size_t s = 0; s < kTestSetCount; ++s)
-    if (const measure::Table table = ablation_table(study, static_cast<TestSet>(s)); !table.rows.empty())
-      text += plain_text(table) + "\n";
-  const app::Json json = to_json(study, options);
-  MIEN_TRY(write_file(folder / "ablation.txt", text + ablation_legend(study) + "\n"));
-  MIEN_TRY(write_file(folder / "ablation.json", app::json_text(json)));
   MIEN_TRY_ASSIGN(const measure::Report report, ablation_report(study, subtitle));
-  MIEN_TRY(report.write(folder / "ablation.html"));
-  if (options.json) {
-    app::print_json(json);
-    return {};
-  }
-  fmt::print("What fewer sensors, less data and other networks cost: {}\n\n{}report: {}\n", subtitle, text,
-             (folder / "ablation.html").string());
-  return {};
+  return put_out_in_folder(options.to, "ablation", report, to_json(study, options));
 }
 
 }  // namespace
@@ -239,12 +223,12 @@ void add_study_ablation(app::Commands& commands, app::Command study) {
   command.add_flag("--quick", options->quick,
                    "Few rows, people and steps, in a minute: shows that it works, compares nothing");
   command
-      .add_option("--out", options->out,
+      .add_option("--out", options->to.out,
                   "Folder for ablation.html, ablation.txt and ablation.json, made where it is not; its "
                   "`trainings` keep what is trained, so that a study that was stopped goes on; a gigabyte of "
                   "memory a core")
       .required();
-  app::add_json_flag(command, options->json);
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace mien::lab

@@ -1,4 +1,4 @@
-#include "lab/commands/study_headset.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,6 @@
 #include <array>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,8 +14,8 @@
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
+#include "lab/commands/output.h"
 #include "lab/headset/contact_sheet.h"
-#include "lab/headset/headset_hours.h"
 #include "lab/headset/headset_study.h"
 #include "mien/face/profile.h"
 #include "mien/headset/views_file.h"
@@ -29,11 +28,11 @@ namespace {
 struct StudyHeadsetOptions {
   HeadsetStudyRequest request;
   ContactSheetRequest sheet;
-  std::string out, rig, model, motion, face;
+  Output to;
+  std::string sheet_out, rig, model, motion, face;
   std::string precision{model::precision_name(headset::kHeadsetPrecision)};
   int wearers = 0;     // 0: the default.
   double minutes = 0;  // Of a session of hours; 0: the conditions instead.
-  bool json = false;
 };
 
 Result<void> write_sheet(const StudyHeadsetOptions& options, const sensor::Rig& rig) {
@@ -44,16 +43,9 @@ Result<void> write_sheet(const StudyHeadsetOptions& options, const sensor::Rig& 
   MIEN_TRY_ASSIGN(const render::Image sheet,
                   headset_contact_sheet(request, rig, app::terminal_progress("headset")));
   app::clear_progress();
-  MIEN_TRY(render::write_png(options.out, sheet));
-  fmt::print("{}: {} x {} pixels\n", options.out, sheet.width, sheet.height);
+  MIEN_TRY(render::write_png(options.sheet_out, sheet));
+  fmt::print("{}: {} x {} pixels\n", options.sheet_out, sheet.width, sheet.height);
   return {};
-}
-
-app::Json or_null(const std::optional<double>& value) {
-  return value ? app::Json(*value) : app::Json();
-}
-std::string or_dash(const std::optional<double>& value) {
-  return value ? fmt::format("{:.3f}", *value) : "-";
 }
 
 constexpr std::array kParts = {"upper", "lower", "gaze"};
@@ -65,22 +57,38 @@ app::Json confidence_json(const HeadsetScore& score) {
   return json;
 }
 
-app::Json score_json(const HeadsetScore& score) {
-  app::Json row = {{"condition", std::string(condition_name(score.condition))},
-                   {"mse", score.mse},
-                   {"mean_pose_mse", score.mean_pose_mse},
-                   {"left_eye_mse", score.left_eye_mse},
-                   {"right_eye_mse", score.right_eye_mse},
-                   {"mouth_mse", score.mouth_mse},
-                   {"pve_mm", score.pve_mm},
-                   {"jitter_ratio", score.jitter_ratio},
-                   {"blink_f1", or_null(score.blink_f1)},
-                   {"closed_f1", or_null(score.closed_f1)},
-                   {"wink_f1", or_null(score.wink_f1)},
-                   {"lip_gap_f1", or_null(score.lips_f1)},
-                   {"gaze_deg", {{"median", score.gaze_median_deg}, {"p90", score.gaze_p90_deg}}}};
-  row["confidence"] = confidence_json(score);
-  return row;
+/// The ratio to a score's MSE is to that of the first score.
+Columns<HeadsetScore> score_columns(double first_mse) {
+  using Score = HeadsetScore;
+  Columns<Score> columns = {
+      {"condition", "", "{}", [](const Score& s) { return std::string(condition_name(s.condition)); }},
+      {"mse", "MSE", "{:.5f}", &Score::mse},
+      {"", "/ mean", "{:.3f}", [](const Score& s) { return s.mse / s.mean_pose_mse; }},
+      {"", "/ worn", "{:.3f}", [first_mse](const Score& s) { return s.mse / first_mse; }},
+      {"mean_pose_mse", "", "", &Score::mean_pose_mse},
+      {"left_eye_mse", "", "", &Score::left_eye_mse},
+      {"right_eye_mse", "", "", &Score::right_eye_mse},
+      {"mouth_mse", "", "", &Score::mouth_mse},
+      {"pve_mm", "PVE mm", "{:.3f}", &Score::pve_mm},
+      {"jitter_ratio", "jitter", "{:.2f}", &Score::jitter_ratio},
+      {"blink_f1", "blink", "{:.3f}", [](const Score& s) { return or_null(s.blink_f1); }},
+      {"closed_f1", "closed", "{:.3f}", [](const Score& s) { return or_null(s.closed_f1); }},
+      {"wink_f1", "wink", "{:.3f}", [](const Score& s) { return or_null(s.wink_f1); }},
+      {"lip_gap_f1", "lips", "{:.3f}", [](const Score& s) { return or_null(s.lips_f1); }},
+      {"gaze_deg", "", "",
+       [](const Score& s) {
+         return app::Json{{"median", s.gaze_median_deg}, {"p90", s.gaze_p90_deg}};
+       }},
+      {"", "gaze, °", "{:.2f}", &Score::gaze_median_deg},
+      {"", "p90", "{:.2f}", &Score::gaze_p90_deg},
+      {"confidence", "", "", confidence_json}};
+  for (std::size_t i = 0; i < kParts.size(); ++i)
+    columns.push_back({"", fmt::format("ECE {}", kParts[i]), "{:.3f}",
+                       [i](const Score& s) { return s.reliability[i].expected_error(); }});
+  for (std::size_t i = 0; i < kParts.size(); ++i)
+    columns.push_back(
+        {"", fmt::format("AUC {}", kParts[i]), "{:.3f}", [i](const Score& s) { return s.roc[i].area(); }});
+  return columns;
 }
 
 /// The confidence of frames as worn and of those in which something hides the face, as one.
@@ -97,57 +105,20 @@ HeadsetScore worn_and_hidden(const std::vector<HeadsetScore>& scores) {
   return both;
 }
 
-void print_headset_scores(const std::vector<HeadsetScore>& scores) {
-  fmt::print("{:<20} {:>8} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6} {:>6} {:>6} {:>12} {:>17} {:>17}\n", "", "MSE",
-             "/ mean", "/ worn", "PVE mm", "jitter", "blink", "closed", "wink", "lips", "gaze deg", "ECE",
-             "AUC");
-  for (const HeadsetScore& score : scores)
-    fmt::print(
-        "{:<20} {:>8.5f} {:>7.3f} {:>7.3f} {:>7.3f} {:>6.2f} {:>6} {:>6} {:>6} {:>6} {:>5.2f} "
-        "{:>6.2f} {:>5.3f} "
-        "{:>5.3f} "
-        "{:>5.3f} {:>5.3f} {:>5.3f} {:>5.3f}\n",
-        condition_name(score.condition), score.mse, score.mse / score.mean_pose_mse,
-        score.mse / scores.front().mse, score.pve_mm, score.jitter_ratio, or_dash(score.blink_f1),
-        or_dash(score.closed_f1), or_dash(score.wink_f1), or_dash(score.lips_f1), score.gaze_median_deg,
-        score.gaze_p90_deg, score.reliability[0].expected_error(), score.reliability[1].expected_error(),
-        score.reliability[2].expected_error(), score.roc[0].area(), score.roc[1].area(), score.roc[2].area());
-  const HeadsetScore both = worn_and_hidden(scores);
-  fmt::print("confidence, as worn and hidden together:");
-  for (std::size_t i = 0; i < kParts.size(); ++i)
-    fmt::print("{} {} ECE {:.3f}, AUC {:.3f}", i == 0 ? "" : ";", kParts[i],
-               both.reliability[i].expected_error(), both.roc[i].area());
-  fmt::print("\n");
-}
-
-void print_headset_hours(const std::vector<std::vector<HeadsetHoursPiece>>& wearers) {
-  for (std::size_t w = 0; w < wearers.size(); ++w) {
-    fmt::print("{}wearer {}\n{:>7} {:>8} {:>8} {:>10} {:>9} {:>6} {:>16}  {}\n", w > 0 ? "\n" : "", w + 1,
-               "minute", "MSE", "no slip", "re-centred", "mean pose", "ratio", "re-centred ratio",
-               "largest bias");
-    for (const HeadsetHoursPiece& piece : wearers[w])
-      fmt::print("{:7.0f} {:8.4f} {:8.4f} {:10.4f} {:9.4f} {:6.2f} {:16.2f}  {} {:+.2f}\n",
-                 piece.begin_s / 60, piece.mse, piece.still_mse, piece.recentred_mse, piece.mean_pose_mse,
-                 piece.ratio, piece.recentred_ratio, face::kShapeNames[piece.worst_shape], piece.worst_bias);
-  }
-}
-
-app::Json headset_hours_json(const std::vector<std::vector<HeadsetHoursPiece>>& wearers) {
-  app::Json out = app::Json::array();
-  for (const auto& pieces : wearers) {
-    app::Json& wearer = out.emplace_back(app::Json::array());
-    for (const HeadsetHoursPiece& piece : pieces)
-      wearer.push_back({{"begin_s", piece.begin_s},
-                        {"mse", piece.mse},
-                        {"no_slip_mse", piece.still_mse},
-                        {"recentred_mse", piece.recentred_mse},
-                        {"mean_pose_mse", piece.mean_pose_mse},
-                        {"ratio", piece.ratio},
-                        {"recentred_ratio", piece.recentred_ratio},
-                        {"worst_shape", face::kShapeNames[piece.worst_shape]},
-                        {"worst_bias", piece.worst_bias}});
-  }
-  return out;
+const Columns<HeadsetHoursPiece>& hours_columns() {
+  using Piece = HeadsetHoursPiece;
+  static const Columns<Piece> columns = {
+      {"begin_s", "minute", "{:.0f}", &Piece::begin_s, 1.0 / 60},
+      {"mse", "MSE", "{:.4f}", &Piece::mse},
+      {"no_slip_mse", "no slip", "{:.4f}", &Piece::still_mse},
+      {"recentred_mse", "re-centred", "{:.4f}", &Piece::recentred_mse},
+      {"mean_pose_mse", "mean pose", "{:.4f}", &Piece::mean_pose_mse},
+      {"ratio", "ratio", "{:.2f}", &Piece::ratio},
+      {"recentred_ratio", "re-centred ratio", "{:.2f}", &Piece::recentred_ratio},
+      {"worst_shape", "largest bias", "{}",
+       [](const Piece& piece) { return face::kShapeNames[piece.worst_shape]; }},
+      {"worst_bias", "by", "{:+.2f}", &Piece::worst_bias}};
+  return columns;
 }
 
 Result<void> run_headset_hours(const StudyHeadsetOptions& options, const sensor::Rig& rig,
@@ -158,18 +129,20 @@ Result<void> run_headset_hours(const StudyHeadsetOptions& options, const sensor:
   if (options.wearers > 0) request.wearers = options.wearers;
   MIEN_TRY_ASSIGN(const auto wearers,
                   study_headset_hours(request, rig, model, mean_answer, app::terminal_progress("headset")));
-  app::clear_progress();
-  if (!options.json)
-    print_headset_hours(wearers);
-  else
-    fmt::print("{}\n", app::Json{{"seed", request.seed}, {"wearers", headset_hours_json(wearers)}}.dump(2));
-  return {};
+  measure::Report report(fmt::format("A headset's accuracy over {:g} minutes", options.minutes),
+                         fmt::format("{} virtual wearers, seed {}", wearers.size(), request.seed));
+  app::Json pieces = app::Json::array();
+  for (std::size_t w = 0; w < wearers.size(); ++w) {
+    report.table(table_of(fmt::format("wearer {}", w + 1), wearers[w], hours_columns()));
+    pieces.push_back(json_of(wearers[w], hours_columns()));
+  }
+  return put_out(options.to, report, {{"seed", request.seed}, {"wearers", std::move(pieces)}});
 }
 
 Result<void> run_study_headset(const StudyHeadsetOptions& options) {
   MIEN_TRY_ASSIGN(const std::filesystem::path file, app::path_or(options.rig, "rigs/headset.toml"));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(file));
-  if (!options.out.empty()) return write_sheet(options, rig);
+  if (!options.sheet_out.empty()) return write_sheet(options, rig);
   MIEN_TRY_ASSIGN(const std::filesystem::path model_path,
                   app::path_or(options.model, "models/headset.safetensors"));
   MIEN_TRY_ASSIGN(const headset::ViewsFile views, headset::read_views_file(model_path));
@@ -187,16 +160,24 @@ Result<void> run_study_headset(const StudyHeadsetOptions& options) {
   }
   MIEN_TRY_ASSIGN(const std::vector<HeadsetScore> scores,
                   study_headset(request, rig, model, views.mean_answer, app::terminal_progress("headset")));
-  app::clear_progress();
-  if (!options.json) {
-    print_headset_scores(scores);
-    return {};
-  }
-  app::Json out = {{"wearers", request.wearers}, {"seconds", request.seconds}, {"seed", request.seed}};
-  for (const HeadsetScore& score : scores) out["conditions"].push_back(score_json(score));
-  out["confidence_worn_and_hidden"] = confidence_json(worn_and_hidden(scores));
-  fmt::print("{}\n", out.dump(2));
-  return {};
+  const HeadsetScore both = worn_and_hidden(scores);
+  const Columns<HeadsetScore> columns = score_columns(scores.front().mse);
+  measure::Report report(
+      "A headset's cameras, wearers unseen in training",
+      fmt::format("{} virtual wearers of {:g} s, seed {}", request.wearers, request.seconds, request.seed));
+  report.table(table_of("By condition", scores, columns));
+  std::vector<measure::KeyFigure> confidence;
+  for (std::size_t i = 0; i < kParts.size(); ++i)
+    confidence.push_back({fmt::format("Confidence of {}, as worn and hidden together", kParts[i]),
+                          fmt::format("ECE {:.3f}", both.reliability[i].expected_error()),
+                          fmt::format("AUC {:.3f}", both.roc[i].area())});
+  report.key_figures(confidence);
+  return put_out(options.to, report,
+                 {{"wearers", request.wearers},
+                  {"seconds", request.seconds},
+                  {"seed", request.seed},
+                  {"conditions", json_of(scores, columns)},
+                  {"confidence_worn_and_hidden", confidence_json(both)}});
 }
 
 }  // namespace
@@ -208,7 +189,7 @@ void add_study_headset(app::Commands& commands, app::Command study) {
       "How well a headset's cameras tell the face of wearers whom nothing learnt from, as worn, put on anew, "
       "with slow or lost cameras and hidden; or a sheet of what they see",
       "mien study headset --wearers 30 --seconds 8", [options] { return run_study_headset(*options); });
-  command.add_option("--sheet", options->out, "Write a PNG of wearers and expressions instead");
+  command.add_option("--sheet", options->sheet_out, "Write a PNG of wearers and expressions instead");
   command.add_option("--rig", options->rig, "Rig file (default: rigs/headset.toml)");
   command.add_option("--model", options->model, "Model (default: models/headset.safetensors)");
   command.add_option("--precision", options->precision, "What its layers multiply in: fp32, bf16 or int8")
@@ -239,7 +220,7 @@ void add_study_headset(app::Commands& commands, app::Command study) {
           .in_range(10.0, 180.0);
   for (const char* name : {"--sheet", "--motion", "--face", "--failures", "--side"})
     minutes.excludes(command.option(name));
-  app::add_json_flag(command, options->json);
+  app::add_json_flag(command, options->to.json);
   app::add_seed_option(command, options->request.seed, "Of the wearers and their headsets");
 }
 

@@ -1,22 +1,28 @@
-#include "lab/commands/study_hours.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/performance.h"
-#include "lab/commands/hours_figures.h"
+#include "app/private_folder.h"
+#include "lab/commands/output.h"
 #include "lab/imu/hours_study.h"
-#include "lab/imu/hours_summary.h"
 #include "mien/core/cache_folder.h"
+#include "mien/core/files.h"
+#include "mien/core/sha256.h"
 #include "mien/face/profile.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
@@ -36,7 +42,7 @@ struct HoursOptions {
   std::vector<std::string> held;
   std::string model;
   std::string rig;
-  bool json = false;
+  Output to;
 };
 
 /// SHAPES=VALUE@BEGIN-END, shapes with a plus between them, times in minutes.
@@ -69,42 +75,178 @@ Result<performer::HeldExpression> parse_held(const std::string& text) {
   return held;
 }
 
-void print(const HoursRun& run) {
-  fmt::print("\n{}, {}, seed {}{}\n", run.script, run.scenario, run.seed,
-             run.sensor.empty() ? "" : ", " + run.sensor);
-  fmt::print("{:>7} {:>8} {:>8} {:>8} {:>8} {:>6} {:>8} {:>8} {:>8} {:>6} {:>8}  {}\n", "minute", "MSE",
-             "lab", "known", "frozen", "ratio", "PVE mm", "rotation", "vertical", "NEES", "missing",
-             run.sensor.empty() ? "largest bias" : "sensor, frozen  largest bias");
-  for (const HoursPiece& piece : run.pieces) {
-    fmt::print(
-        "{:7.0f} {:8.4f} {:8.4f} {:8.4f} {:8.4f} {:6.2f} {:8.3f} {:7.2f}° {:7.2f}° {:6.2f} {:6.1f} %  ",
-        piece.begin_s / 60, piece.mse.device, piece.mse.lab, piece.mse.known, piece.mse.frozen, piece.ratio,
-        piece.pve_mm, piece.rotation_rms_deg, piece.vertical_rms_deg, piece.nees, 100 * piece.missing);
-    if (!run.sensor.empty())
-      fmt::print("{:5.2f}°, {:5.1f}°  ", piece.sensor_rms_deg, piece.frozen_sensor_rms_deg);
-    fmt::print("{} {:+.2f}\n", face::kShapeNames[piece.worst_shape], piece.worst_bias);
-    for (const HoursErrors& held : piece.held)
-      fmt::print("{:>7} {:8.3f} {:8.3f} {:8.3f} {:8.3f}\n", "held", held.device, held.lab, held.known,
-                 held.frozen);
-  }
+HoursErrors hours_errors_of(const app::Json& json) {
+  return {.device = json.at("device"),
+          .lab = json.at("lab"),
+          .known = json.at("known"),
+          .frozen = json.at("frozen")};
 }
 
-void print(const std::vector<HoursSummary>& summaries) {
-  fmt::print(
-      "\n{:<16} {:<12} {:>4} {:>16} {:>16} {:>8} {:>8} {:>6} {:>6} {:>6} {:>13} {:>10} {:>14} {:>14}  {}\n",
-      "script", "scenario", "runs", "MSE first, last", "lab", "known", "frozen", "ratio", "<=1.3", "<=1.6",
-      "rotation", "NEES", "missing", "sensor, frozen", "largest bias");
-  for (const HoursSummary& one : summaries)
-    fmt::print(
-        "{:<16} {:<12} {:>4} {:7.4f}, {:7.4f} {:7.4f}, {:7.4f} {:8.4f} {:8.4f} {:6.2f} {:4.0f} % {:4.0f} % "
-        "{:5.2f}°, {:4.2f}° {:4.2f}, {:4.2f} {:4.1f} %, {:4.1f} % {:>14}  {} {:+.2f}\n",
-        one.script, one.scenario, one.runs, one.first_mse.device, one.last_mse.device, one.first_mse.lab,
-        one.last_mse.lab, one.last_mse.known, one.last_mse.frozen, one.worst_ratio, 100 * one.within_most,
-        100 * one.within_all, one.first_rotation_deg, one.worst_rotation_deg, one.least_nees, one.most_nees,
-        100 * one.first_missing, 100 * one.worst_missing,
-        one.frozen_sensor_deg > 0 ? fmt::format("{:.2f}°, {:.1f}°", one.sensor_deg, one.frozen_sensor_deg)
-                                  : "",
-        face::kShapeNames[one.worst_shape], one.worst_bias);
+HoursPiece hours_piece_of(const app::Json& json) {
+  HoursPiece piece{.begin_s = json.at("begin_s"),
+                   .frames = json.at("frames"),
+                   .mse = hours_errors_of(json.at("mse")),
+                   .ratio = json.at("ratio"),
+                   .pve_mm = json.at("pve_mm"),
+                   .lab_pve_mm = json.at("lab_pve_mm"),
+                   .worst_shape = face::shape_index(json.at("worst_shape").get<std::string>()),
+                   .worst_bias = json.at("worst_bias"),
+                   .rotation_rms_deg = json.at("rotation_rms_deg"),
+                   .vertical_rms_deg = json.at("vertical_rms_deg"),
+                   .sensor_rms_deg = json.at("sensor_rms_deg"),
+                   .frozen_sensor_rms_deg = json.at("frozen_sensor_rms_deg"),
+                   .nees = json.at("nees"),
+                   .missing = json.at("missing")};
+  for (const app::Json& held : json.at("held")) piece.held.push_back(hours_errors_of(held));
+  return piece;
+}
+
+app::Json errors_json(const HoursErrors& errors) {
+  return {{"device", errors.device}, {"lab", errors.lab}, {"known", errors.known}, {"frozen", errors.frozen}};
+}
+
+/// `sensor`: something happens to one.
+Columns<HoursPiece> piece_columns(bool sensor) {
+  using Piece = HoursPiece;
+  return {{"begin_s", "minute", "{:.0f}", &Piece::begin_s, 1.0 / 60},
+          {"frames", "", "", &Piece::frames},
+          {"mse", "", "", [](const Piece& piece) { return errors_json(piece.mse); }},
+          {"", "MSE", "{:.4f}", [](const Piece& piece) { return piece.mse.device; }},
+          {"", "lab", "{:.4f}", [](const Piece& piece) { return piece.mse.lab; }},
+          {"", "known", "{:.4f}", [](const Piece& piece) { return piece.mse.known; }},
+          {"", "frozen", "{:.4f}", [](const Piece& piece) { return piece.mse.frozen; }},
+          {"ratio", "ratio", "{:.2f}", &Piece::ratio},
+          {"pve_mm", "PVE mm", "{:.3f}", &Piece::pve_mm},
+          {"lab_pve_mm", "", "", &Piece::lab_pve_mm},
+          {"worst_shape", "", "", [](const Piece& piece) { return face::kShapeNames[piece.worst_shape]; }},
+          {"worst_bias", "", "", &Piece::worst_bias},
+          {"rotation_rms_deg", "rotation, °", "{:.2f}", &Piece::rotation_rms_deg},
+          {"vertical_rms_deg", "vertical, °", "{:.2f}", &Piece::vertical_rms_deg},
+          {"sensor_rms_deg", "sensor, °", sensor ? "{:.2f}" : "", &Piece::sensor_rms_deg},
+          {"frozen_sensor_rms_deg", "frozen, °", sensor ? "{:.1f}" : "", &Piece::frozen_sensor_rms_deg},
+          {"nees", "NEES", "{:.2f}", &Piece::nees},
+          {"missing", "missing, %", "{:.1f}", &Piece::missing, 100},
+          {"", "largest bias", "{}",
+           [](const Piece& piece) {
+             return fmt::format("{} {:+.2f}", face::kShapeNames[piece.worst_shape], piece.worst_bias);
+           }},
+          {"held", "", "", [](const Piece& piece) {
+             app::Json out = app::Json::array();
+             for (const HoursErrors& held : piece.held) out.push_back(errors_json(held));
+             return out;
+           }}};
+}
+
+const Columns<HoursRun>& run_columns() {
+  static const Columns<HoursRun> columns = {
+      {"script", "", "", &HoursRun::script},
+      {"scenario", "", "", &HoursRun::scenario},
+      {"seed", "", "", &HoursRun::seed},
+      {"sensor", "", "", &HoursRun::sensor},
+      {"event_end_s", "", "", &HoursRun::event_end_s},
+      {"pieces", "", "", [](const HoursRun& run) { return json_of(run.pieces, piece_columns(false)); }}};
+  return columns;
+}
+
+measure::Table run_table(const HoursRun& run) {
+  measure::Table table = table_of(fmt::format("{}, {}, seed {}{}", run.script, run.scenario, run.seed,
+                                              run.sensor.empty() ? "" : ", " + run.sensor),
+                                  run.pieces, piece_columns(!run.sensor.empty()));
+  std::size_t row = 0;
+  for (const HoursPiece& piece : run.pieces) {
+    ++row;
+    for (const HoursErrors& held : piece.held) {
+      std::vector<std::string> cells = {"held"};
+      for (const double value : {held.device, held.lab, held.known, held.frozen})
+        cells.push_back(fmt::format("{:.3f}", value));
+      table.rows.insert(table.rows.begin() + static_cast<std::ptrdiff_t>(row++), std::move(cells));
+    }
+  }
+  return table;
+}
+
+const Columns<HoursSummary>& summary_columns() {
+  using Summary = HoursSummary;
+  static const Columns<Summary> columns = {
+      {"script", "script", "{}", &Summary::script},
+      {"scenario", "scenario", "{}", &Summary::scenario},
+      {"runs", "runs", "{}", &Summary::runs},
+      {"first_mse", "", "", [](const Summary& one) { return errors_json(one.first_mse); }},
+      {"last_mse", "", "", [](const Summary& one) { return errors_json(one.last_mse); }},
+      {"", "MSE first", "{:.4f}", [](const Summary& one) { return one.first_mse.device; }},
+      {"", "last", "{:.4f}", [](const Summary& one) { return one.last_mse.device; }},
+      {"", "lab first", "{:.4f}", [](const Summary& one) { return one.first_mse.lab; }},
+      {"", "last", "{:.4f}", [](const Summary& one) { return one.last_mse.lab; }},
+      {"", "known", "{:.4f}", [](const Summary& one) { return one.last_mse.known; }},
+      {"", "frozen", "{:.4f}", [](const Summary& one) { return one.last_mse.frozen; }},
+      {"worst_ratio", "ratio", "{:.2f}", &Summary::worst_ratio},
+      {"share_within_1.3", "<=1.3, %", "{:.0f}", &Summary::within_most, 100},
+      {"share_within_1.6", "<=1.6, %", "{:.0f}", &Summary::within_all, 100},
+      {"first_rotation_rms_deg", "rotation, °", "{:.2f}", &Summary::first_rotation_deg},
+      {"worst_rotation_rms_deg", "worst", "{:.2f}", &Summary::worst_rotation_deg},
+      {"least_nees", "NEES least", "{:.2f}", &Summary::least_nees},
+      {"most_nees", "most", "{:.2f}", &Summary::most_nees},
+      {"first_missing", "missing, %", "{:.1f}", &Summary::first_missing, 100},
+      {"worst_missing", "worst", "{:.1f}", &Summary::worst_missing, 100},
+      {"worst_shape", "largest bias", "{}",
+       [](const Summary& one) { return face::kShapeNames[one.worst_shape]; }},
+      {"worst_bias", "by", "{:+.2f}", &Summary::worst_bias},
+      {"later_sensor_rms_deg", "sensor, °", "{:.2f}", &Summary::sensor_deg},
+      {"later_frozen_sensor_rms_deg", "frozen, °", "{:.1f}", &Summary::frozen_sensor_deg}};
+  return columns;
+}
+
+/// Errors: malformed.
+Result<HoursRun> parse_hours_run(std::string_view text, const std::string& where) {
+  HoursRun run;
+  try {
+    const app::Json json = app::Json::parse(text);
+    run.script = json.at("script");
+    run.scenario = json.at("scenario");
+    run.seed = json.at("seed");
+    run.sensor = json.at("sensor");
+    run.event_end_s = json.at("event_end_s");
+    for (const app::Json& piece : json.at("pieces")) run.pieces.push_back(hours_piece_of(piece));
+  } catch (const app::Json::exception& error) {
+    return fail(ErrorCode::malformed, error.what(), where);
+  }
+  if (run.pieces.empty() || std::ranges::any_of(run.pieces, [](const HoursPiece& piece) {
+        return piece.worst_shape >= face::kShapeCount;
+      }))
+    return fail(ErrorCode::malformed, "these are no figures of a run", where);
+  return run;
+}
+
+/// Keeps each run's figures as a file of JSON in `folder`, which is made where it is not. Its name is a hash
+/// of the run's key, the rig's and the model's bytes and this program's own. A file that cannot be read is
+/// made anew. Errors: those of reading the rig, the model and the program; io (the folder).
+Result<HoursCache> hours_cache(const std::filesystem::path& folder, const std::filesystem::path& rig,
+                               const std::filesystem::path& model) {
+  MIEN_TRY(app::make_private_folders(folder));
+  MIEN_TRY_ASSIGN(const std::filesystem::path program, running_program());
+  std::string basis;
+  for (const std::filesystem::path& path : {program, rig, model}) {
+    MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path));
+    Sha256 hash;
+    hash.add(bytes);
+    basis += hash.hex() + "\n";
+  }
+  const auto path_of = [folder, basis](const std::string& key) {
+    Sha256 hash;
+    const std::string all = basis + key;
+    hash.add(std::as_bytes(std::span(all)));
+    return folder / (hash.hex().substr(0, 24) + ".json");
+  };
+  return HoursCache{.find = [path_of](const std::string& key) -> std::optional<HoursRun> {
+                      const Result<std::string> text = read_text(path_of(key));
+                      if (!text) return std::nullopt;
+                      Result<HoursRun> run = parse_hours_run(*text, path_of(key).string());
+                      if (!run) return std::nullopt;
+                      return std::move(*run);
+                    },
+                    .keep = [path_of](const std::string& key, const HoursRun& run) -> Result<void> {
+                      return write_file(path_of(key), app::json_text(json_of(run, run_columns())));
+                    }};
 }
 
 /// What is performed, by whom and in which scenarios.
@@ -156,26 +298,25 @@ Result<void> run_study_hours(HoursOptions options) {
   MIEN_TRY_ASSIGN(
       const std::vector<HoursRun> runs,
       study_hours(options.request, rig, model, app::terminal_progress("hours"), cache ? &*cache : nullptr));
-  app::clear_progress();
   const double most = share_within(runs, kRatioOfMost), all = share_within(runs, kRatioOfAll);
   const std::vector<HoursSummary> summaries = summarise(runs);
-  if (options.json) {
-    app::Json out = {
-        {"model", options.model},          {"rig", rig.name},          {"minutes", options.request.minutes},
-        {"motions", options.motions},      {"face", options.face},     {"runs", app::Json::array()},
-        {"summaries", app::Json::array()}, {"share_within_1.3", most}, {"share_within_1.6", all}};
-    for (const HoursRun& run : runs) out["runs"].push_back(hours_json(run));
-    for (const HoursSummary& summary : summaries) out["summaries"].push_back(hours_json(summary));
-    app::print_json(out);
-    return {};
-  }
-  fmt::print("{} performances of {:g} minutes on one calibration, model {}\n", runs.size(),
-             options.request.minutes, options.model);
-  for (const HoursRun& run : runs) print(run);
-  print(summaries);
-  fmt::print("\nratio at most {} in {:.0f} % of the runs, at most {} in {:.0f} %\n", kRatioOfMost, 100 * most,
-             kRatioOfAll, 100 * all);
-  return {};
+  measure::Report report(
+      fmt::format("{} performances of {:g} minutes on one calibration", runs.size(), options.request.minutes),
+      "model " + options.model);
+  for (const HoursRun& run : runs) report.table(run_table(run));
+  report.table(table_of("By script and scenario", summaries, summary_columns()));
+  report.text(fmt::format("Ratio at most {} in {:.0f} % of the runs, at most {} in {:.0f} %.", kRatioOfMost,
+                          100 * most, kRatioOfAll, 100 * all));
+  return put_out(options.to, report,
+                 {{"model", options.model},
+                  {"rig", rig.name},
+                  {"minutes", options.request.minutes},
+                  {"motions", options.motions},
+                  {"face", options.face},
+                  {"runs", json_of(runs, run_columns())},
+                  {"summaries", json_of(summaries, summary_columns())},
+                  {"share_within_1.3", most},
+                  {"share_within_1.6", all}});
 }
 
 }  // namespace
@@ -210,7 +351,7 @@ void add_study_hours(app::Commands& commands, app::Command study) {
   command.add_option(
       "--held", options->held,
       "Expressions that are held beside the script: browDown_L+browDown_R=0.7@5-15, in minutes");
-  app::add_json_flag(command, options->json);
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace mien::lab

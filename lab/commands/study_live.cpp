@@ -1,4 +1,4 @@
-#include "lab/commands/study_live.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,8 @@
 #include "app/performance.h"
 #include "app/private_folder.h"
 #include "app/seed_option.h"
-#include "lab/imu/live_report.h"
+#include "lab/commands/output.h"
+#include "lab/imu/live_study.h"
 #include "mien/core/files.h"
 #include "mien/model/model_file.h"
 
@@ -30,9 +31,8 @@ struct StudyLiveOptions {
   std::string window;
   std::vector<std::size_t> steps = {10, 5, 1};
   std::vector<std::string> models;  // NAME=FILE.
-  std::string out;
   bool quick = false;
-  bool json = false;
+  Output to;
   std::vector<std::string> skipped;  // Takes and faces that are not here.
 };
 
@@ -149,12 +149,6 @@ void make_quick(LiveRequest& request) {
   request.round_s = 10;
 }
 
-std::string text_of(const LiveStudy& study) {
-  std::string out;
-  for (const LiveSet& set : study.sets) out += plain_text(live_table(set)) + "\n";
-  return out;
-}
-
 Result<void> run_study_live(StudyLiveOptions options) {
   for (const std::string& row : options.rows) {
     MIEN_TRY_ASSIGN(options.request.conditions.emplace_back(), parse_live_condition(row));
@@ -171,27 +165,14 @@ Result<void> run_study_live(StudyLiveOptions options) {
   if (options.request.performers == 0 && options.request.motions.empty())
     return fail(ErrorCode::bad_usage, "nobody performs", "study live",
                 "give --takes that are here, or --performers above 0");
-  const std::filesystem::path folder = options.out;
-  MIEN_TRY(app::make_private_folders(folder));
+  MIEN_TRY(app::make_private_folders(options.to.out));
 
   MIEN_TRY_ASSIGN(const LiveStudy study,
                   study_live(options.request, rig, models, app::terminal_progress("live")));
-  app::clear_progress();
   const std::string subtitle =
       fmt::format("model {} beside {}, seed {}", std::filesystem::path(options.live).filename().string(),
                   std::filesystem::path(options.window).filename().string(), options.request.seed);
-  const std::string text = text_of(study);
-  const app::Json json = to_json(study, options, rig);
-  MIEN_TRY(write_file(folder / "live.txt", text + live_legend() + "\n"));
-  MIEN_TRY(write_file(folder / "live.json", app::json_text(json)));
-  MIEN_TRY(live_report(study, subtitle).write(folder / "live.html"));
-  if (options.json) {
-    app::print_json(json);
-    return {};
-  }
-  fmt::print("The live model beside the others: {}\n\n{}report: {}\n", subtitle, text,
-             (folder / "live.html").string());
-  return {};
+  return put_out_in_folder(options.to, "live", live_report(study, subtitle), to_json(study, options, rig));
 }
 
 }  // namespace
@@ -235,9 +216,10 @@ void add_study_live(app::Commands& commands, app::Command study) {
   app::add_seed_option(command, request.seed, "Of the performers, their devices and the networks");
   command.add_flag("--quick", options->quick, "Fewer and shorter performances, for a first look");
   command
-      .add_option("--out", options->out, "Folder for live.html, live.txt and live.json; made where it is not")
+      .add_option("--out", options->to.out,
+                  "Folder for live.html, live.txt and live.json; made where it is not")
       .required();
-  app::add_json_flag(command, options->json);
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace mien::lab

@@ -1,4 +1,4 @@
-#include "lab/commands/study_loss.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,8 @@
 #include "app/one_line.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
-#include "lab/imu/loss_report.h"
+#include "lab/commands/output.h"
+#include "lab/imu/loss.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
 
@@ -27,8 +28,7 @@ struct StudyLossOptions {
   std::vector<std::string> motions;
   std::vector<std::string> faces;
   std::vector<std::string> rows;
-  std::string out;
-  bool json = false;
+  Output to;
 };
 
 /// Reads the motions, and every face once.
@@ -81,42 +81,7 @@ std::string performed_by(const StudyLossOptions& options) {
                      options.motions.size() == 1 ? "" : "s", options.request.seed);
 }
 
-void print_loss_table(const LossStudy& study) {
-  fmt::print("{:<28} {:>8} {:>8} {:>8} {:>9} {:>7} {:>8} {:>8} {:>6} {:>7} {:>7} {:>7}\n", "", "MSE", "rise",
-             "given up", "MSE of 42", "PVE mm", "observed", "rotation", "step", "truth's", "unsound",
-             "mistold");
-  for (const LossRow& row : study.rows)
-    fmt::print(
-        "{:<28} {:8.5f} {:+6.1f} % {:+6.1f} % {:9.5f} {:7.3f} {:6.1f} % {:7.1f}° {:6.3f} {:7.3f} {:7} {:7}\n",
-        row.condition.name(), row.mse, 100 * row.rise, 100 * row.given_up, row.mse_observed, row.pve_mm,
-        100 * row.observed, row.rotation_rms_deg, row.largest_step, row.truth_step, row.unsound, row.mistold);
-  fmt::print("\nmean pose {:.5f}\n", study.mean_pose_mse);
-  if (const LossRow* tenth = study.find(Fault::loss, 10))
-    fmt::print("10 % lost: {:+.1f} %, allowed {:+.0f} %\n", 100 * tenth->rise, 100 * kRiseAllowedAt10Percent);
-  if (const LossRow* worst = study.worst_sensor())
-    fmt::print("worst sensor to lose: {}, {:+.1f} %, allowed {:+.0f} %\n", worst->condition.sensor,
-               100 * worst->rise, 100 * kRiseAllowedWithoutASensor);
-  fmt::print("promises {}\n", study.kept() ? "kept" : "not kept");
-}
-
-app::Json to_json(const LossRow& row) {
-  return {{"condition", row.condition.name()},
-          {"frames", row.frames},
-          {"mse", row.mse},
-          {"rise", row.rise},
-          {"given_up", row.given_up},
-          {"mse_observed", row.mse_observed},
-          {"pve_mm", row.pve_mm},
-          {"observed", row.observed},
-          {"rotation_rms_deg", row.rotation_rms_deg},
-          {"largest_step", row.largest_step},
-          {"truth_step", row.truth_step},
-          {"unsound_frames", row.unsound},
-          {"mistold_frames", row.mistold},
-          {"performance_mse", row.performance_mse}};
-}
-
-void print_loss_study(const LossStudy& study, const StudyLossOptions& options, const sensor::Rig& rig) {
+app::Json to_json(const LossStudy& study, const StudyLossOptions& options, const sensor::Rig& rig) {
   app::Json out = {{"model", options.model}, {"rig", rig.name}, {"seed", options.request.seed}};
   if (options.motions.empty()) {
     out["performers"] = options.request.performers;
@@ -136,13 +101,12 @@ void print_loss_study(const LossStudy& study, const StudyLossOptions& options, c
   out["mistold_frames"] = study.mistold();
   out["kept"] = study.kept();
   out["mean_pose_mse"] = study.mean_pose_mse;
-  out["rows"] = app::Json::array();
-  for (const LossRow& row : study.rows) out["rows"].push_back(to_json(row));
-  app::print_json(out);
+  out["rows"] = json_of(study.rows, loss_columns());
+  return out;
 }
 
 Result<void> run_study_loss(StudyLossOptions options) {
-  if (!options.out.empty()) MIEN_TRY(app::check_output(options.out, {".html"}));
+  MIEN_TRY(check_page(options.to));
   MIEN_TRY_ASSIGN(options.rig, app::path_or(options.rig, "rigs/default.toml"));
   MIEN_TRY_ASSIGN(options.model, app::path_or(options.model, "models/live.safetensors"));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
@@ -151,18 +115,9 @@ Result<void> run_study_loss(StudyLossOptions options) {
   if (!options.motions.empty()) MIEN_TRY(load_motions(options));
   MIEN_TRY_ASSIGN(const LossStudy study,
                   study_loss(options.request, rig, model, conditions, app::terminal_progress("loss")));
-  app::clear_progress();
   const std::string subtitle = fmt::format("{}, model {}", performed_by(options),
                                            std::filesystem::path(options.model).filename().string());
-  if (!options.out.empty()) MIEN_TRY(loss_report(study, subtitle).write(options.out));
-  if (options.json) {
-    print_loss_study(study, options, rig);
-    return {};
-  }
-  fmt::print("Accuracy against loss: {}\n\n", subtitle);
-  print_loss_table(study);
-  if (!options.out.empty()) fmt::print("report: {}\n", options.out);
-  return {};
+  return put_out(options.to, loss_report(study, subtitle), to_json(study, options, rig));
 }
 
 }  // namespace
@@ -197,8 +152,9 @@ void add_study_loss(app::Commands& commands, app::Command study) {
       "--rows", options->rows,
       "Only the conditions with one of these in their name, beside the clean one: bursts \"10 %\"");
   app::add_seed_option(command, options->request.seed, "Of the performers, their devices and the networks");
-  command.add_option("--out", options->out, "Write a self-contained HTML page with the curve and the table");
-  app::add_json_flag(command, options->json);
+  command.add_option("--out", options->to.out,
+                     "Write a self-contained HTML page with the curve and the table");
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace mien::lab

@@ -1,4 +1,4 @@
-#include "lab/commands/study_motion.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "lab/commands/study_placement.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -13,12 +13,11 @@
 #include "app/one_line.h"
 #include "app/private_folder.h"
 #include "app/seed_option.h"
-#include "lab/commands/interval_json.h"
-#include "lab/commands/short_training_options.h"
+#include "lab/columns.h"
+#include "lab/commands/output.h"
 #include "lab/commands/short_trainings.h"
-#include "lab/imu/placement/placement_report.h"
-#include "lab/imu/placement/placement_rig.h"
 #include "lab/imu/placement/placement_study.h"
+#include "lab/imu/placement/sensor_candidates.h"
 #include "mien/core/files.h"
 #include "mien/core/units.h"
 
@@ -36,8 +35,7 @@ struct PlacementOptions {
   std::string write_rig;
   bool force = false;
   bool no_training = false;
-  std::string out;
-  bool json = false;
+  Output to;
 };
 
 /// Less of everything, in a minute: enough to see that it works, too little to compare anything.
@@ -246,7 +244,7 @@ Result<void> run_study_placement(PlacementOptions options) {
   seed_placement(options.request);
   MIEN_TRY_ASSIGN(const PlacementRigs rigs, placement_rigs(options));
   MIEN_TRY_ASSIGN(const face::Face face, app::chosen_face(options.face, app::face_progress(options.face)));
-  const std::filesystem::path folder = options.out;
+  const std::filesystem::path folder = options.to.out;
   TrainShort train;
   if (!options.no_training) {
     MIEN_TRY_ASSIGN(train, train_by_helper(folder / "trainings"));
@@ -257,29 +255,20 @@ Result<void> run_study_placement(PlacementOptions options) {
                                   app::terminal_progress("placement")));
   app::clear_progress();
   MIEN_TRY(app::make_private_folders(folder));
-  std::string told;
+  std::string written;
   if (!options.write_rig.empty()) {
-    MIEN_TRY_ASSIGN(told, write_winner(options, rigs, study, folder));
+    MIEN_TRY_ASSIGN(written, write_winner(options, rigs, study, folder));
   }
   const std::string subtitle =
       fmt::format("{} sensors on {}, seed {}{}", options.request.sensors, app::one_line(options.face),
                   options.request.seed, options.request.quick ? "; quick, compares nothing" : "");
-  const std::string text = placement_text(study, options.request);
-  const app::Json json = to_json(study, options);
-  MIEN_TRY(write_file(folder / "placement.txt", text));
-  MIEN_TRY(write_file(folder / "placement.json", app::json_text(json)));
   MIEN_TRY(render::write_png(folder / "placement.png", study.pictures.together()));
   MIEN_TRY_ASSIGN(const measure::Report report, placement_report(study, options.request, subtitle));
-  MIEN_TRY(report.write(folder / "placement.html"));
-  if (options.json) {
+  if (options.to.json) {
     if (!study.not_trained.empty()) fmt::print(stderr, "mien: {}\n", study.not_trained);
-    fmt::print(stderr, "{}", told);
-    app::print_json(json);
-    return {};
+    fmt::print(stderr, "{}", written);
   }
-  fmt::print("Where to glue sensors: {}\n\n{}\n{}report: {}\n", subtitle, text, told,
-             (folder / "placement.html").string());
-  return {};
+  return put_out_in_folder(options.to, "placement", report, to_json(study, options), written);
 }
 
 }  // namespace
@@ -336,11 +325,11 @@ void add_study_placement(app::Commands& commands, app::Command study) {
   app::add_seed_option(command, request.seed, "Of the people and the networks");
   command
       .add_option(
-          "--out", options->out,
+          "--out", options->to.out,
           "Folder for placement.html, .txt, .json and .png, and for what is trained; made where it is "
           "not")
       .required();
-  app::add_json_flag(command, options->json);
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace mien::lab

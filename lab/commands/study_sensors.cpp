@@ -1,4 +1,4 @@
-#include "lab/commands/study_sensors.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
-#include "lab/eyewear/error_picture.h"
+#include "lab/commands/output.h"
 #include "lab/eyewear/minute_study.h"
 #include "lab/eyewear/sensors_report.h"
 #include "lab/eyewear/sensors_study.h"
@@ -30,8 +30,7 @@ struct StudySensorsOptions {
   std::string model;
   std::string face;
   std::vector<std::string> motions;
-  std::string out;
-  bool json = false;
+  Output to;
 };
 
 /// Of the whole study's time.
@@ -39,24 +38,14 @@ constexpr double kFaithfulShare = 0.5;
 /// Where the colours of the picture end.
 constexpr double kPictureScaleMm = 8;
 
-app::Json to_json(const SensorsRow& row) {
-  return {{"mean_mm", row.all.mean_mm},
-          {"rmse_mm", row.all.rmse_mm},
-          {"eyes_mm", row.eyes_nose.mean_mm},
-          {"mouth_mm", row.mouth.mean_mm},
-          {"eyes_rmse_mm", row.eyes_nose.rmse_mm},
-          {"mouth_rmse_mm", row.mouth.rmse_mm}};
-}
-
 app::Json to_json(const SensorsMethod& method, const std::vector<std::string>& markers) {
-  app::Json out = to_json(method.overall);
+  app::Json out = json_of(method.overall, sensors_columns());
   out["sensors"] = method.sensors;
-  out["wearers"] = app::Json::array();
-  for (const SensorsRow& row : method.wearers) out["wearers"].push_back(to_json(row));
+  out["wearers"] = json_of(method.wearers, sensors_columns());
   for (std::size_t s = 0; s < kTestSets; ++s)
-    out["sets"][std::string(test_set_name(static_cast<TestSet>(s)))] = to_json(method.sets[s]);
-  out["tests"] = app::Json::array();
-  for (const SensorsRow& row : method.tests) out["tests"].push_back(to_json(row));
+    out["sets"][std::string(sensors_test_set_name(static_cast<SensorsTestSet>(s)))] =
+        json_of(method.sets[s], sensors_columns());
+  out["tests"] = json_of(method.tests, sensors_columns());
   for (std::size_t m = 0; m < markers.size(); ++m)
     out["markers"][markers[m]] = {{"mean_mm", method.markers[m].mean_mm},
                                   {"rmse_mm", method.markers[m].rmse_mm}};
@@ -71,8 +60,8 @@ void add_minute(const MinuteStudy& minute, const builtin_face::MarkerSet& marker
     out["minute"]["conditions"][method.name] = to_json(method, names);
 }
 
-void print_sensors_study(const SensorsStudy& study, const MinuteStudy& minute,
-                         const builtin_face::MarkerSet& markers, const StudySensorsOptions& options) {
+app::Json to_json(const SensorsStudy& study, const MinuteStudy& minute,
+                  const builtin_face::MarkerSet& markers, const StudySensorsOptions& options) {
   app::Json out = {
       {"rig", options.rig}, {"wearers", options.request.wearers}, {"seed", options.request.seed}};
   for (const SensorsMethod* method : {&study.faithful, &study.faithful16, &study.mean_pose})
@@ -82,38 +71,7 @@ void print_sensors_study(const SensorsStudy& study, const MinuteStudy& minute,
   for (const SensorsTraining& training : study.training)
     out["training"].push_back(
         {{"samples", training.samples}, {"outliers", training.outliers}, {"share", training.share}});
-  app::print_json(out);
-}
-
-void print_sensors_row(const std::string& name, const SensorsRow& row) {
-  fmt::print("{:<24} {:7.2f} {:7.2f} {:11.2f} {:7.2f}\n", name, row.all.mean_mm, row.all.rmse_mm,
-             row.eyes_nose.mean_mm, row.mouth.mean_mm);
-}
-
-std::string title_of(const SensorsMethod& method) {
-  return method.sensors > 0 ? fmt::format("{}, {} sensors", method.name, method.sensors) : method.name;
-}
-
-void print_sensors_table(const SensorsStudy& study, const MinuteStudy& minute) {
-  fmt::print("{:<24} {:>7} {:>7} {:>11} {:>7}\n", "mm", "mean", "RMSE", "eyes, nose", "mouth");
-  for (const SensorsMethod* method : {&study.faithful, &study.faithful16, &study.mean_pose})
-    print_sensors_row(title_of(*method), method->overall);
-  fmt::print("\nafter one minute\n");
-  for (const auto* methods : {&minute.methods, &minute.conditions})
-    for (const SensorsMethod& method : *methods) print_sensors_row(title_of(method), method.overall);
-  fmt::print("\n{:<24} {:>7} {:>7} {:>11} {:>7}\n", "faithful, by wearer", "", "", "", "");
-  for (std::size_t w = 0; w < study.faithful.wearers.size(); ++w)
-    print_sensors_row(
-        fmt::format("{}, {} of {} out", w + 1, study.training[w].outliers, study.training[w].samples),
-        study.faithful.wearers[w]);
-  fmt::print("\nby expressions\n");
-  for (std::size_t s = 0; s < kTestSets; ++s)
-    print_sensors_row(std::string(test_set_name(static_cast<TestSet>(s))), study.faithful.sets[s]);
-  fmt::print("\n{:<24} {:>7} {:>7} {:>11} {:>7}\n", "by marker, mean", "faithf.", "16", "knowing 0", "");
-  for (std::size_t m = 0; m < study.markers.size(); ++m)
-    fmt::print("{:<24} {:7.2f} {:7.2f} {:11.2f}\n", fmt::format("{} {}", m + 1, study.markers[m]),
-               study.faithful.markers[m].mean_mm, study.faithful16.markers[m].mean_mm,
-               study.mean_pose.markers[m].mean_mm);
+  return out;
 }
 
 /// The learned method alone, on another face or in others' performances.
@@ -130,26 +88,16 @@ Result<void> run_scene(const StudySensorsOptions& options, const sensor::Rig& ri
   }
   MIEN_TRY_ASSIGN(const MinuteStudy minute, study_minute(options.request, rig, markers, model, scene,
                                                          app::terminal_progress("sensors")));
-  app::clear_progress();
-  if (options.json) {
-    app::Json out = {{"face", options.face}, {"seed", options.request.seed}, {"motions", options.motions}};
-    add_minute(minute, markers, out);
-    app::print_json(out);
-    return {};
-  }
-  fmt::print("{:<24} {:>7} {:>7} {:>11} {:>7}\n", "mm, after one minute", "mean", "RMSE", "eyes, nose",
-             "mouth");
-  for (const auto* methods : {&minute.methods, &minute.conditions})
-    for (const SensorsMethod& method : *methods) print_sensors_row(title_of(method), method.overall);
-  for (std::size_t m = 0; m < scene.motions.size(); ++m) {
-    fmt::print("\n{}\n", scene.motions[m].name);
-    for (const SensorsMethod& method : minute.methods) print_sensors_row(title_of(method), method.tests[m]);
-  }
-  return {};
+  app::Json out = {{"face", options.face}, {"seed", options.request.seed}, {"motions", options.motions}};
+  add_minute(minute, markers, out);
+  std::vector<std::string> motions;
+  for (const face::Motion& motion : scene.motions) motions.push_back(motion.name);
+  const std::string subtitle = fmt::format("face {}, seed {}", options.face, options.request.seed);
+  return put_out(options.to, minute_report(minute, motions, subtitle), out);
 }
 
 Result<void> run_study_sensors(StudySensorsOptions options) {
-  if (!options.out.empty()) MIEN_TRY(app::check_output(options.out, {".html"}));
+  MIEN_TRY(check_page(options.to));
   MIEN_TRY_ASSIGN(options.rig, app::path_or(options.rig, "rigs/eyewear.toml"));
   MIEN_TRY_ASSIGN(options.markers, app::path_or(options.markers, "rigs/markers.toml"));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
@@ -170,25 +118,17 @@ Result<void> run_study_sensors(StudySensorsOptions options) {
       study_minute(options.request, rig, markers, model, {}, [&](double part, std::string_view what) {
         return shown(kFaithfulShare + (1 - kFaithfulShare) * part, what);
       }));
-  app::clear_progress();
-  const std::string subtitle =
-      fmt::format("{} virtual wearers, seed {}", options.request.wearers, options.request.seed);
-  if (!options.out.empty()) {
+  render::Image picture;
+  if (!options.to.out.empty()) {
     const std::array<const SensorsMethod*, 3> shown_methods = {&study.mean_pose, &study.faithful,
                                                                &minute.learned()};
-    MIEN_TRY_ASSIGN(const render::Image picture, error_picture(markers, shown_methods, kPictureScaleMm));
-    MIEN_TRY_ASSIGN(const measure::Report report, sensors_report(study, minute, subtitle, picture));
-    MIEN_TRY(report.write(options.out));
+    MIEN_TRY_ASSIGN(picture, error_picture(markers, shown_methods, kPictureScaleMm));
   }
-  if (options.json) {
-    options.rig = rig.name;
-    print_sensors_study(study, minute, markers, options);
-    return {};
-  }
-  fmt::print("Markers from photo-reflective eyewear: {}\n\n", subtitle);
-  print_sensors_table(study, minute);
-  if (!options.out.empty()) fmt::print("report: {}\n", options.out);
-  return {};
+  const std::string subtitle =
+      fmt::format("{} virtual wearers, seed {}", options.request.wearers, options.request.seed);
+  MIEN_TRY_ASSIGN(const measure::Report report, sensors_report(study, minute, subtitle, picture));
+  options.rig = rig.name;
+  return put_out(options.to, report, to_json(study, minute, markers, options));
 }
 
 }  // namespace
@@ -211,8 +151,8 @@ void add_study_sensors(app::Commands& commands, app::Command study) {
       .in_range(1, 1000)
       .show_default();
   app::add_seed_option(command, options->request.seed, "Of the wearers, their glasses and what they do");
-  command.add_option("--out", options->out, "Write a self-contained HTML page with tables and curves");
-  app::add_json_flag(command, options->json);
+  command.add_option("--out", options->to.out, "Write a self-contained HTML page with tables and curves");
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace mien::lab

@@ -1,4 +1,4 @@
-#include "lab/commands/study_settings.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "app/json_output.h"
 #include "app/seed_option.h"
-#include "lab/imu/drift.h"
+#include "lab/commands/output.h"
 #include "lab/imu/settings_study.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
@@ -40,7 +40,7 @@ struct JitterOptions {
   std::string rig;
   std::vector<double> cutoff_hz, beta, speed_cutoff_hz, low_pass_hz, reference_noise, noise_gain;
   double limit = 0.65;
-  bool json = false;
+  Output to;
 };
 
 std::string name_of(const std::optional<tracker::JitterSettings>& settings) {
@@ -51,14 +51,6 @@ std::string name_of(const std::optional<tracker::JitterSettings>& settings) {
   return *settings == tracker::JitterSettings{} ? name + " *" : name;
 }
 
-void print_trial(const JitterTrial& trial) {
-  fmt::print("{:<38}", name_of(trial.settings));
-  for (const FilteredFigures* profile : {&trial.device, &trial.lab})
-    fmt::print(" {:9.5f} {:6.3f} {:6.2f} {:5.2f}", profile->mse, profile->pve_mm, profile->jitter_ratio,
-               profile->blink_f1);
-  fmt::print("\n");
-}
-
 app::Json to_json(const FilteredFigures& profile) {
   return {{"mse", profile.mse},
           {"pve_mm", profile.pve_mm},
@@ -66,16 +58,34 @@ app::Json to_json(const FilteredFigures& profile) {
           {"blink_f1", profile.blink_f1}};
 }
 
-app::Json to_json(const JitterTrial& trial) {
-  app::Json out = {{"device", to_json(trial.device)}, {"lab", to_json(trial.lab)}, {"settings", nullptr}};
-  if (trial.settings)
-    out["settings"] = {{"cutoff_hz", trial.settings->cutoff_hz},
-                       {"beta", trial.settings->beta},
-                       {"speed_cutoff_hz", trial.settings->speed_cutoff_hz},
-                       {"low_pass_hz", trial.settings->low_pass_hz},
-                       {"reference_noise", trial.settings->reference_noise},
-                       {"noise_gain", trial.settings->noise_gain}};
-  return out;
+app::Json to_json(const std::optional<tracker::JitterSettings>& settings) {
+  if (!settings) return nullptr;
+  return {{"cutoff_hz", settings->cutoff_hz},
+          {"beta", settings->beta},
+          {"speed_cutoff_hz", settings->speed_cutoff_hz},
+          {"low_pass_hz", settings->low_pass_hz},
+          {"reference_noise", settings->reference_noise},
+          {"noise_gain", settings->noise_gain}};
+}
+
+const Columns<JitterTrial>& trial_columns() {
+  using Trial = JitterTrial;
+  static const Columns<Trial> columns = [] {
+    Columns<Trial> out = {{"", "settings", "{}", [](const Trial& trial) { return name_of(trial.settings); }},
+                          {"device", "", "", [](const Trial& trial) { return to_json(trial.device); }},
+                          {"lab", "", "", [](const Trial& trial) { return to_json(trial.lab); }},
+                          {"settings", "", "", [](const Trial& trial) { return to_json(trial.settings); }}};
+    for (const auto& [name, profile] : {std::pair("device", &Trial::device), std::pair("lab", &Trial::lab)})
+      for (const auto& [head, format, figure] :
+           {std::tuple("MSE", "{:.5f}", &FilteredFigures::mse),
+            std::tuple("PVE", "{:.3f}", &FilteredFigures::pve_mm),
+            std::tuple("jitter", "{:.2f}", &FilteredFigures::jitter_ratio),
+            std::tuple("F1", "{:.2f}", &FilteredFigures::blink_f1)})
+        out.push_back({"", fmt::format("{}: {}", name, head), format,
+                       [profile, figure](const Trial& trial) { return trial.*profile.*figure; }});
+    return out;
+  }();
+  return columns;
 }
 
 Result<void> run_jitter(JitterOptions options) {
@@ -102,35 +112,24 @@ Result<void> run_jitter(JitterOptions options) {
   ++check.seed;
   MIEN_TRY_ASSIGN(const std::vector<JitterTrial> checked_on,
                   study_jitter(check, rig, model, again, app::terminal_progress("check")));
-  app::clear_progress();
-  if (options.json) {
-    app::Json out = {{"performers", options.request.performers},
-                     {"seconds", options.request.seconds},
-                     {"limit", options.limit},
-                     {"best", best ? to_json(chosen_on[*best]) : app::Json()}};
-    for (const auto& [name, seed, trials] : {std::tuple("chosen_on", options.request.seed, &chosen_on),
-                                             std::tuple("checked_on", check.seed, &checked_on)}) {
-      out[name] = {{"seed", seed}, {"trials", app::Json::array()}};
-      for (const JitterTrial& trial : *trials) out[name]["trials"].push_back(to_json(trial));
-    }
-    app::print_json(out);
-    return {};
+  app::Json out = {{"performers", options.request.performers},
+                   {"seconds", options.request.seconds},
+                   {"limit", options.limit},
+                   {"best", best ? json_of(chosen_on[*best], trial_columns()) : app::Json()}};
+  measure::Report report(
+      "Settings of the jitter filter",
+      fmt::format("{} people of {:g} s", options.request.performers, options.request.seconds));
+  report.text("Cutoff, beta, speed's cutoff; low-pass; reference noise, gain (* the default).");
+  for (const auto& [name, seed, trials] : {std::tuple("chosen_on", options.request.seed, &chosen_on),
+                                           std::tuple("checked_on", check.seed, &checked_on)}) {
+    out[name] = {{"seed", seed}, {"trials", json_of(*trials, trial_columns())}};
+    report.table(table_of(fmt::format("{} seed {}", trials == &chosen_on ? "Chosen on" : "Checked on", seed),
+                          *trials, trial_columns()));
   }
-  fmt::print(
-      "Cutoff, beta, speed's cutoff; low-pass; reference noise, gain (* the default); {} people of {:g} s\n\n"
-      "{:<38} {:^29} {:^29}\n{:<38} {:>9} {:>6} {:>6} {:>5} {:>9} {:>6} {:>6} {:>5}\n",
-      options.request.performers, options.request.seconds, "", "device", "lab",
-      fmt::format("chosen on seed {}", options.request.seed), "MSE", "PVE", "jitter", "F1", "MSE", "PVE",
-      "jitter", "F1");
-  for (const JitterTrial& trial : chosen_on) print_trial(trial);
-  if (best)
-    fmt::print("\nbest of at most {:g} of the truth's jitter: {}\n", options.limit,
-               name_of(chosen_on[*best].settings));
-  else
-    fmt::print("\nnone leaves at most {:g} of the truth's jitter\n", options.limit);
-  fmt::print("\nchecked on seed {}\n", check.seed);
-  for (const JitterTrial& trial : checked_on) print_trial(trial);
-  return {};
+  report.text(best ? fmt::format("Best of at most {:g} of the truth's jitter: {}", options.limit,
+                                 name_of(chosen_on[*best].settings))
+                   : fmt::format("None leaves at most {:g} of the truth's jitter.", options.limit));
+  return put_out(options.to, report, out);
 }
 
 /// How many people of each seed perform, and for how long.
@@ -168,14 +167,14 @@ void add_jitter(app::Commands& commands, app::Command settings) {
       .show_default();
   app::add_seed_option(command, options->request.seed,
                        "Of the people to choose on; the next one's are checked on");
-  app::add_json_flag(command, options->json);
+  app::add_json_flag(command, options->to.json);
 }
 
 struct DriftOptions {
   DriftRequest request = {.seed = kChoosing};
   std::string rig;
   std::vector<double> correlation_s, gate, heading_walk, creep_walk;
-  bool json = false;
+  Output to;
 };
 
 std::string name_of(const imu::DriftSettings& settings) {
@@ -183,13 +182,16 @@ std::string name_of(const imu::DriftSettings& settings) {
                      settings.creep_walk);
 }
 
-app::Json to_json(const Drift& drift) {
-  return {{"correlation_s", drift.settings.correlation_s},
-          {"gate", drift.settings.gate},
-          {"heading_walk", drift.settings.heading_walk},
-          {"creep_walk", drift.settings.creep_walk},
-          {"rms_deg", drift.rms_deg},
-          {"vertical_rms_deg", drift.vertical_rms_deg}};
+const Columns<Drift>& drift_columns() {
+  static const Columns<Drift> columns = {
+      {"", "settings", "{}", [](const Drift& drift) { return name_of(drift.settings); }},
+      {"correlation_s", "", "", [](const Drift& drift) { return drift.settings.correlation_s; }},
+      {"gate", "", "", [](const Drift& drift) { return drift.settings.gate; }},
+      {"heading_walk", "", "", [](const Drift& drift) { return drift.settings.heading_walk; }},
+      {"creep_walk", "", "", [](const Drift& drift) { return drift.settings.creep_walk; }},
+      {"rms_deg", "RMS, °", "{:.2f}", &Drift::rms_deg},
+      {"vertical_rms_deg", "vertical, °", "{:.2f}", &Drift::vertical_rms_deg}};
+  return columns;
 }
 
 Result<void> run_drift(DriftOptions options) {
@@ -209,31 +211,22 @@ Result<void> run_drift(DriftOptions options) {
   MIEN_TRY_ASSIGN(
       const std::vector<Drift> checked_on,
       study_drift(check, rig, std::vector{DriftSettings{}, best.settings}, app::terminal_progress("check")));
-  app::clear_progress();
-  if (options.json) {
-    app::Json trials = app::Json::array();
-    for (const Drift& drift : chosen_on) trials.push_back(to_json(drift));
-    app::print_json({{"performers", options.request.performers},
-                     {"seconds", options.request.seconds},
-                     {"chosen_on", {{"seed", options.request.seed}, {"trials", trials}}},
-                     {"best", to_json(best)},
-                     {"checked_on",
-                      {{"seed", check.seed},
-                       {"default", to_json(checked_on.front())},
-                       {"best", to_json(checked_on.back())}}}});
-    return {};
-  }
-  const auto print = [](const std::string& name, const Drift& drift) {
-    fmt::print("{:<38} {:6.2f}° {:6.2f}°\n", name, drift.rms_deg, drift.vertical_rms_deg);
-  };
-  fmt::print("Correlation, gate; walks of headings and creep; {} people of {:g} s\n\n{:<38} {:>7} {:>7}\n",
-             options.request.performers, options.request.seconds,
-             fmt::format("chosen on seed {}", options.request.seed), "RMS", "vert.");
-  for (const Drift& drift : chosen_on) print(name_of(drift.settings), drift);
-  fmt::print("\nbest: {}\n\nchecked on seed {}\n", name_of(best.settings), check.seed);
-  print("default", checked_on.front());
-  print("best", checked_on.back());
-  return {};
+  const auto json = [](const Drift& drift) { return json_of(drift, drift_columns()); };
+  measure::Report report(
+      "Settings of the drift filter",
+      fmt::format("{} people of {:g} s", options.request.performers, options.request.seconds));
+  report.text("Correlation, gate; walks of headings and creep.");
+  report.table(table_of(fmt::format("Chosen on seed {}", options.request.seed), chosen_on, drift_columns()));
+  report.table(table_of(fmt::format("Checked on seed {}: the default, the best", check.seed), checked_on,
+                        drift_columns()));
+  return put_out(
+      options.to, report,
+      {{"performers", options.request.performers},
+       {"seconds", options.request.seconds},
+       {"chosen_on", {{"seed", options.request.seed}, {"trials", json_of(chosen_on, drift_columns())}}},
+       {"best", json(best)},
+       {"checked_on",
+        {{"seed", check.seed}, {"default", json(checked_on.front())}, {"best", json(checked_on.back())}}}});
 }
 
 void add_drift(app::Commands& commands, app::Command settings) {
@@ -253,7 +246,7 @@ void add_drift(app::Commands& commands, app::Command settings) {
   values("--creep", options->creep_walk, "Random walk of the adhesives' creep, rad a root s", 0, 1);
   app::add_seed_option(command, options->request.seed,
                        "Of the people to choose on; the next one's are checked on");
-  app::add_json_flag(command, options->json);
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace

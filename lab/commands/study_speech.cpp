@@ -1,4 +1,4 @@
-#include "lab/commands/study_speech.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include "app/json_output.h"
 #include "app/media_helper.h"
 #include "app/seed_option.h"
+#include "lab/commands/output.h"
 #include "lab/speech/phone_labels.h"
-#include "lab/speech/speech_confidence.h"
 #include "lab/speech/speech_study.h"
 #include "mien/core/files.h"
 
@@ -21,7 +21,7 @@ struct StudySpeechOptions {
   SpeechRequest request;
   std::vector<std::string> recordings;
   std::string model, write;
-  bool json = false;
+  Output to;
 };
 
 /// The labels of FILE.wav: FILE.phone.json or FILE_phone.lab.
@@ -41,25 +41,38 @@ Result<LabelledSound> read_labelled(const std::filesystem::path& path) {
               "put their times beside it, as " + stem.filename().string() + ".phone.json or _phone.lab");
 }
 
-app::Json row_json(const SpeechRow& row, bool with_jaw) {
-  app::Json out = {{"method", row.method},
-                   {"sound", row.sound},
-                   {"closures", row.closures.truths},
-                   {"heard", row.closures.heard},
-                   {"recall", row.closures.recall()},
-                   {"false", row.closures.false_share()},
-                   {"late_s", row.late_s}};
-  if (with_jaw) out["jaw_correlation"] = row.jaw_correlation;
-  return out;
+/// Of recordings nobody knows how the jaw moved.
+Columns<SpeechRow> speech_columns(bool with_jaw) {
+  Columns<SpeechRow> columns = {
+      {"", "sound", "{}", &SpeechRow::sound},
+      {"method", "way", "{}", &SpeechRow::method},
+      {"sound", "", "", &SpeechRow::sound},
+      {"closures", "closures", "{}", [](const SpeechRow& row) { return row.closures.truths; }},
+      {"heard", "", "", [](const SpeechRow& row) { return row.closures.heard; }},
+      {"recall", "recall", "{:.2f}", [](const SpeechRow& row) { return row.closures.recall(); }},
+      {"false", "false", "{:.2f}", [](const SpeechRow& row) { return row.closures.false_share(); }},
+      {"late_s", "late ms", "{:.0f}", &SpeechRow::late_s, 1e3}};
+  if (with_jaw) columns.push_back({"jaw_correlation", "jaw", "{:.2f}", &SpeechRow::jaw_correlation});
+  return columns;
 }
 
-void print_rows(const std::vector<SpeechRow>& rows, bool with_jaw) {
-  fmt::print("| sound | way | closures | recall | false | late ms |{}\n|---|---|---|---|---|---|{}\n",
-             with_jaw ? " jaw |" : "", with_jaw ? "---|" : "");
-  for (const SpeechRow& row : rows)
-    fmt::print("| {} | {} | {} | {:.2f} | {:.2f} | {:.0f} |{}\n", row.sound, row.method, row.closures.truths,
-               row.closures.recall(), row.closures.false_share(), 1e3 * row.late_s,
-               with_jaw ? fmt::format(" {:.2f} |", row.jaw_correlation) : "");
+const Columns<OtherRow>& other_columns() {
+  static const Columns<OtherRow> columns = {{"", "sound", "{}", &OtherRow::sound},
+                                            {"method", "way", "{}", &OtherRow::method},
+                                            {"sound", "", "", &OtherRow::sound},
+                                            {"moving", "moving, %", "{:.2f}", &OtherRow::moving, 100}};
+  return columns;
+}
+
+const Columns<SpeechConfidenceRow>& confidence_columns() {
+  using Row = SpeechConfidenceRow;
+  static const Columns<Row> columns = {
+      {"sound", "sound", "{}", &Row::sound},
+      {"frames", "frames", "{}", &Row::frames},
+      {"mouth_calibration_error", "mouth", "{:.3f}",
+       [](const Row& row) { return row.mouth.expected_error(); }},
+      {"jaw_calibration_error", "jaw", "{:.3f}", [](const Row& row) { return row.jaw.expected_error(); }}};
+  return columns;
 }
 
 /// Measures what the network's answers are worth and writes it so, on voices that nothing else hears.
@@ -94,47 +107,22 @@ Result<void> run_study_speech(const StudySpeechOptions& options) {
       study_speech_confidence(
           network, {.voices = synthetic::VoiceUse::test, .passages = request.passages, .seed = request.seed},
           app::speaker_by_helper(), app::terminal_progress("confidence")));
-  app::clear_progress();
-  if (options.json) {
-    app::Json out = {{"model", model.string()}, {"seed", request.seed}, {"passages", request.passages}};
-    const auto add = [&](const char* name, const std::vector<SpeechRow>& rows, bool with_jaw) {
-      out[name] = app::Json::array();
-      for (const SpeechRow& row : rows) out[name].push_back(row_json(row, with_jaw));
-    };
-    add("conditions", study.conditions, true);
-    add("languages", study.languages, true);
-    add("recorded", study.recorded, false);
-    out["others"] = app::Json::array();
-    for (const OtherRow& row : study.others)
-      out["others"].push_back({{"method", row.method}, {"sound", row.sound}, {"moving", row.moving}});
-    out["confidence"] = app::Json::array();
-    for (const SpeechConfidenceRow& row : confidence)
-      out["confidence"].push_back({{"sound", row.sound},
-                                   {"frames", row.frames},
-                                   {"mouth_calibration_error", row.mouth.expected_error()},
-                                   {"jaw_calibration_error", row.jaw.expected_error()}});
-    app::print_json(out);
-    return {};
-  }
-  print_rows(study.conditions, true);
-  fmt::print("\nClean, by language\n\n");
-  print_rows(study.languages, true);
-  if (!study.recorded.empty()) {
-    fmt::print("\nRecordings\n\n");
-    print_rows(study.recorded, false);
-  }
-  fmt::print("\nSounds that are no speech: share of frames in which the mouth moves by more than 0.05\n\n");
-  fmt::print("| sound | way | moving |\n|---|---|---|\n");
-  for (const OtherRow& row : study.others)
-    fmt::print("| {} | {} | {:.2f} % |\n", row.sound, row.method, 100 * row.moving);
-  if (!confidence.empty())
-    fmt::print(
-        "\nExpected calibration error of the network's confidence\n\n| sound | frames | mouth | jaw "
-        "|\n|---|---|---|---|\n");
-  for (const SpeechConfidenceRow& row : confidence)
-    fmt::print("| {} | {} | {:.3f} | {:.3f} |\n", row.sound, row.frames, row.mouth.expected_error(),
-               row.jaw.expected_error());
-  return {};
+  app::Json out = {{"model", model.string()}, {"seed", request.seed}, {"passages", request.passages}};
+  measure::Report report("How well mouth and jaw are heard",
+                         fmt::format("model {}, {} passages, seed {}", model.filename().string(),
+                                     request.passages, request.seed));
+  const auto add = [&](const char* name, std::string caption, const auto& rows, const auto& columns) {
+    out[name] = json_of(rows, columns);
+    if (!rows.empty()) report.table(table_of(std::move(caption), rows, columns));
+  };
+  add("conditions", "By condition", study.conditions, speech_columns(true));
+  add("languages", "Clean, by language", study.languages, speech_columns(true));
+  add("recorded", "Recordings", study.recorded, speech_columns(false));
+  add("others", "Sounds that are no speech: share of frames in which the mouth moves by more than 0.05",
+      study.others, other_columns());
+  add("confidence", "Expected calibration error of the network's confidence", confidence,
+      confidence_columns());
+  return put_out(options.to, report, out);
 }
 
 }  // namespace
@@ -158,7 +146,7 @@ void add_study_speech(app::Commands& commands, app::Command study) {
       "Measure the network's table of confidence anew first, on voices of its own, and write the "
       "network so");
   app::add_seed_option(command, options->request.seed, "Of lines, noise and rooms");
-  app::add_json_flag(command, options->json);
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace mien::lab

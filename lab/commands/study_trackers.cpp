@@ -1,4 +1,4 @@
-#include "lab/commands/study_trackers.h"
+#include "lab/commands/studies.h"
 
 #include <fmt/format.h>
 
@@ -16,11 +16,10 @@
 #include "app/json_output.h"
 #include "app/private_folder.h"
 #include "app/seed_option.h"
-#include "lab/trackers/tracker_strip.h"
+#include "lab/commands/output.h"
 #include "lab/trackers/trackers_report.h"
 #include "lab/trackers/trackers_study.h"
 #include "mien/core/excerpt.h"
-#include "mien/core/files.h"
 #include "mien/core/nearest_word.h"
 #include "mien/core/time.h"
 #include "mien/model/model_file.h"
@@ -41,8 +40,7 @@ struct StudyTrackersOptions {
   std::string face = "builtin";
   bool shared_clock = false;
   bool quick = false;
-  std::string out;
-  bool json = false;
+  Output to;
 };
 
 /// What the study is of, for its page.
@@ -230,9 +228,9 @@ app::Json study_json(const TrackersStudy& study, const StudyTrackersOptions& opt
   return out;
 }
 
-/// Pictures of the worst moments. Where they cannot be drawn the page is without them, and says so on stderr.
-/// Errors: cancelled.
-Result<std::vector<TrackerPicture>> pictures_of(const TrackersStudy& study, const std::string& what) {
+/// Pictures of the worst moments. Where they cannot be drawn, or that is stopped, the page is without them;
+/// stderr says so.
+std::vector<TrackerPicture> pictures_of(const TrackersStudy& study, const std::string& what) {
   std::vector<TrackerPicture> out;
   const auto without = [](const Error& error) {
     app::clear_progress();
@@ -244,8 +242,7 @@ Result<std::vector<TrackerPicture>> pictures_of(const TrackersStudy& study, cons
   const Progress progress = app::terminal_progress("pictures");
   for (const TrackersRow& row : study.rows) {
     if (!progress(static_cast<double>(out.size()) / static_cast<double>(study.rows.size()), row.title))
-      return fail(ErrorCode::cancelled,
-                  "stopped while pictures were drawn; trackers.txt and .json are whole");
+      return without({.code = ErrorCode::cancelled, .what = "stopped"});
     auto picture = tracker_picture(*face, row);
     if (!picture) return without(picture.error());
     out.push_back(std::move(*picture));
@@ -253,13 +250,6 @@ Result<std::vector<TrackerPicture>> pictures_of(const TrackersStudy& study, cons
   progress(1, "drawn");
   app::clear_progress();
   return out;
-}
-
-std::string study_text(const TrackersStudy& study) {
-  std::string out;
-  if (study.modelled) out += modelled_notice() + "\n\n";
-  for (const std::string& notice : offset_notices(study)) out += notice + "\n\n";
-  return out + plain_text(trackers_table(study)) + "\n" + plain_text(lag_table(study)) + "\n";
 }
 
 Result<void> run_study_trackers(StudyTrackersOptions options) {
@@ -277,22 +267,11 @@ Result<void> run_study_trackers(StudyTrackersOptions options) {
     MIEN_TRY_ASSIGN(studied, compare_recordings(options));
   }
   if (options.quick) studied.subtitle += "; quick, compares nothing";
-  const std::filesystem::path folder = options.out;
-  MIEN_TRY(app::make_private_folders(folder));
-  const std::string text = study_text(studied.study);
-  const app::Json json = study_json(studied.study, options);
-  MIEN_TRY(write_file(folder / "trackers.txt", text + trackers_legend(studied.study) + "\n"));
-  MIEN_TRY(write_file(folder / "trackers.json", app::json_text(json)));
-  MIEN_TRY_ASSIGN(const std::vector<TrackerPicture> pictures, pictures_of(studied.study, options.face));
-  MIEN_TRY_ASSIGN(const measure::Report report, trackers_report(studied.study, studied.subtitle, pictures));
-  MIEN_TRY(report.write(folder / "trackers.html"));
-  if (options.json) {
-    app::print_json(json);
-    return {};
-  }
-  fmt::print("Trackers on one time line: {}\n\n{}report: {}\n", without_controls(studied.subtitle), text,
-             (folder / "trackers.html").string());
-  return {};
+  MIEN_TRY(app::make_private_folders(options.to.out));
+  MIEN_TRY_ASSIGN(const measure::Report report,
+                  trackers_report(studied.study, without_controls(studied.subtitle),
+                                  pictures_of(studied.study, options.face)));
+  return put_out_in_folder(options.to, "trackers", report, study_json(studied.study, options));
 }
 
 }  // namespace
@@ -350,10 +329,10 @@ void add_study_trackers(app::Commands& commands, app::Command study) {
       .number_between(0.05, 5.0)
       .show_default();
   command
-      .add_option("--out", options->out,
+      .add_option("--out", options->to.out,
                   "Folder for trackers.html, trackers.txt and trackers.json; made where it is not")
       .required();
-  app::add_json_flag(command, options->json);
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace mien::lab

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
-#include <memory>
 #include <string_view>
-#include <utility>
 
 #include "mien/eyewear/light_drift.h"
 #include "mien/eyewear/marker_model.h"

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "lab/eyewear/marker_errors.h"
 #include "lab/eyewear/sensors_study.h"
 #include "mien/builtin_face/markers.h"
 #include "mien/core/error.h"

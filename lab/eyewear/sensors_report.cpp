@@ -5,9 +5,28 @@
 #include <algorithm>
 #include <utility>
 
+#include "lab/spread_on_skin.h"
+#include "mien/builtin_face/builtin_face.h"
+#include "mien/core/units.h"
+#include "mien/render/camera.h"
+#include "mien/render/error_colours.h"
+#include "mien/render/lettering.h"
+#include "mien/render/renderer.h"
+
 namespace mien::lab {
 namespace {
 
+constexpr render::Rgb kErrorInk = {40, 42, 48};
+
+/// Error of each vertex, metres.
+std::vector<float> vertex_errors_m(const face::Face& face, const std::vector<Vec3>& markers_m,
+                                   const std::vector<MarkerError>& errors) {
+  std::vector<double> error_m;
+  for (const MarkerError& error : errors) error_m.push_back(error.mean_mm / kMmPerM);
+  return spread_on_skin(face, markers_m, error_m);
+}
+
+constexpr const char* kSensorsTitle = "Markers from photo-reflective eyewear";
 constexpr std::size_t kCurvePoints = 6000;  // Enough to zoom into.
 
 std::string mm(double value) {
@@ -15,13 +34,19 @@ std::string mm(double value) {
 }
 
 std::vector<std::string> cells(const std::string& name, const SensorsRow& row) {
-  return {name, mm(row.all.mean_mm), mm(row.all.rmse_mm), mm(row.eyes_nose.mean_mm), mm(row.mouth.mean_mm)};
+  std::vector<std::string> out = cells_of(row, sensors_columns());
+  out.insert(out.begin(), name);
+  return out;
+}
+
+measure::Table sensors_table(std::string caption) {
+  measure::Table table = table_of(std::move(caption), {}, sensors_columns());
+  table.columns.insert(table.columns.begin(), "");
+  return table;
 }
 
 measure::Table overview(const SensorsStudy& study) {
-  measure::Table table;
-  table.caption = "Error of the markers, mm, beside the published one";
-  table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
+  measure::Table table = sensors_table("Error of the markers, mm, beside the published one");
   for (const SensorsMethod* method : {&study.faithful, &study.faithful16}) {
     const PublishedSensors& published = method == &study.faithful ? kPublished20 : kPublished16;
     table.rows.push_back(
@@ -35,26 +60,24 @@ measure::Table overview(const SensorsStudy& study) {
 }
 
 measure::Table minute_table(const MinuteStudy& minute) {
-  measure::Table table;
-  table.caption = "After one minute of the wearer's own, without motion capture but for \"linear\", mm";
-  table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
+  measure::Table table =
+      sensors_table("After one minute of the wearer's own, without motion capture but for \"linear\", mm");
   for (const auto* methods : {&minute.methods, &minute.conditions})
-    for (const SensorsMethod& method : *methods) table.rows.push_back(cells(method.name, method.overall));
+    for (const SensorsMethod& method : *methods)
+      table.rows.push_back(cells(fmt::format("{}, {} sensors", method.name, method.sensors), method.overall));
   table.strong_rows = {2};
   return table;
 }
 
 measure::Table wearers(const SensorsStudy& study) {
-  measure::Table table;
-  table.caption = "By wearer and by expressions, all sensors, mm";
-  table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
+  measure::Table table = sensors_table("By wearer and by expressions, all sensors, mm");
   for (std::size_t w = 0; w < study.faithful.wearers.size(); ++w)
     table.rows.push_back(cells(fmt::format("wearer {}: {} of {} samples rejected", w + 1,
                                            study.training[w].outliers, study.training[w].samples),
                                study.faithful.wearers[w]));
   for (std::size_t s = 0; s < kTestSets; ++s)
-    table.rows.push_back(
-        cells(fmt::format("set {}", test_set_name(static_cast<TestSet>(s))), study.faithful.sets[s]));
+    table.rows.push_back(cells(fmt::format("set {}", sensors_test_set_name(static_cast<SensorsTestSet>(s))),
+                               study.faithful.sets[s]));
   return table;
 }
 
@@ -89,9 +112,59 @@ measure::LinePlot curve(const SensorsStudy& study) {
 
 }  // namespace
 
+Result<render::Image> error_picture(const builtin_face::MarkerSet& markers,
+                                    std::span<const SensorsMethod* const> methods, double full_scale_mm,
+                                    int height) {
+  const face::Face face = builtin_face::make_builtin();
+  MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed,
+                  builtin_face::PlacedMarkers::place(face, markers));
+  const render::Look look = render::Look::light();
+  const render::Camera camera =
+      render::portrait_camera(face, render::kThreeQuarterView_rad, height, height, 1.3F);
+  MIEN_TRY_ASSIGN(const auto lettering, render::Lettering::load());
+  render::Renderer renderer(face);
+  render::Image picture(static_cast<int>(methods.size()) * height, height);
+  const float size = 0.04F * static_cast<float>(height);
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    if (methods[i]->markers.size() != placed.count())
+      return fail(ErrorCode::mismatch, "a method has errors of other markers", methods[i]->name);
+    const std::vector<float> error_m = vertex_errors_m(face, placed.neutral_m(), methods[i]->markers);
+    const render::ErrorColours colours{error_m, static_cast<float>(full_scale_mm / kMmPerM)};
+    render::Image one = renderer.still(face.neutral_m, camera, look, &colours);
+    render::draw_error_legend(one, lettering, colours.full_scale_m, kErrorInk);
+    lettering.draw(one, methods[i]->name, 0.6F * size, 1.5F * size, size, kErrorInk);
+    render::paste(picture, one, static_cast<int>(i) * height, 0);
+  }
+  return picture;
+}
+
+const Columns<SensorsRow>& sensors_columns() {
+  static const Columns<SensorsRow> columns = {
+      {"mean_mm", "mean", "{:.2f}", [](const SensorsRow& row) { return row.all.mean_mm; }},
+      {"rmse_mm", "RMSE", "{:.2f}", [](const SensorsRow& row) { return row.all.rmse_mm; }},
+      {"eyes_mm", "eyes, nose", "{:.2f}", [](const SensorsRow& row) { return row.eyes_nose.mean_mm; }},
+      {"mouth_mm", "mouth", "{:.2f}", [](const SensorsRow& row) { return row.mouth.mean_mm; }},
+      {"eyes_rmse_mm", "", "", [](const SensorsRow& row) { return row.eyes_nose.rmse_mm; }},
+      {"mouth_rmse_mm", "", "", [](const SensorsRow& row) { return row.mouth.rmse_mm; }}};
+  return columns;
+}
+
+measure::Report minute_report(const MinuteStudy& minute, const std::vector<std::string>& motions,
+                              const std::string& subtitle) {
+  measure::Report report(kSensorsTitle, subtitle);
+  report.table(minute_table(minute));
+  for (std::size_t m = 0; m < motions.size(); ++m) {
+    measure::Table table = sensors_table(motions[m] + ", mm");
+    for (const SensorsMethod& method : minute.methods)
+      table.rows.push_back(cells(method.name, method.tests[m]));
+    report.table(table);
+  }
+  return report;
+}
+
 Result<measure::Report> sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
                                        const std::string& subtitle, const render::Image& picture) {
-  measure::Report report("Markers from photo-reflective eyewear", subtitle);
+  measure::Report report(kSensorsTitle, subtitle);
   report.key_figures({{"Mean error", mm(study.faithful.overall.all.mean_mm) + " mm",
                        fmt::format("published {} mm", mm(kPublished20.mean_mm))},
                       {"Eyes and nose", mm(study.faithful.overall.eyes_nose.mean_mm) + " mm",
@@ -107,10 +180,15 @@ Result<measure::Report> sensors_report(const SensorsStudy& study, const MinuteSt
   }
   report.bars(by_marker(study, minute));
   measure::Table names;
-  names.caption = "Markers by number";
-  names.columns = {"", "marker"};
-  for (std::size_t m = 0; m < study.markers.size(); ++m)
-    names.rows.push_back({fmt::format("{}", m + 1), study.markers[m]});
+  names.caption = "Markers by number, mean error, mm";
+  names.columns = {"", "marker", "published method", "without the ear hooks", "mean pose", "learned"};
+  for (std::size_t m = 0; m < study.markers.size(); ++m) {
+    std::vector<std::string>& row = names.rows.emplace_back();
+    row = {fmt::format("{}", m + 1), study.markers[m]};
+    for (const SensorsMethod* method :
+         {&study.faithful, &study.faithful16, &study.mean_pose, &minute.learned()})
+      row.push_back(mm(method->markers[m].mean_mm));
+  }
   report.plot(curve(study));
   report.table(wearers(study));
   report.table(names);

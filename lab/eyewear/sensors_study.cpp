@@ -1,19 +1,19 @@
 #include "lab/eyewear/sensors_study.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <atomic>
+#include <array>
 #include <cmath>
-#include <optional>
 #include <span>
 #include <utility>
 
+#include "lab/performance_count.h"
+#include "mien/core/units.h"
 #include "mien/eyewear/block_median.h"
 #include "mien/eyewear/linearise.h"
 #include "mien/eyewear/marker_model.h"
 #include "mien/face/motion.h"
 #include "mien/mocap/outliers.h"
+#include "mien/performer/expression.h"
 #include "mien/performer/mimic.h"
 #include "mien/virtual/eyewear/eyewear_faults.h"
 #include "mien/virtual/eyewear/eyewear_simulator.h"
@@ -24,6 +24,24 @@
 
 namespace mien::lab {
 namespace {
+
+using face::BlendshapeWeights;
+
+BlendshapeWeights weights_of(const performer::Pose& pose) {
+  BlendshapeWeights weights;
+  for (const performer::PosePart& part : pose) weights[part.shape] = part.weight;
+  return weights;
+}
+
+/// Expressions that one side alone makes; the paper shows some and lists none.
+std::array<performer::Pose, 6> asymmetric_poses() {
+  return {performer::pose_of({{"mouthSmile_L", 0.85F}, {"cheekSquint_L", 0.5F}, {"mouthDimple_L", 0.2F}}),
+          performer::pose_of({{"browOuterUp_R", 0.8F}, {"browInnerUp_R", 0.5F}, {"browDown_L", 0.6F}}),
+          performer::pose_of({{"eyeBlink_L", 1.0F}, {"cheekSquint_L", 0.6F}, {"mouthSmile_L", 0.3F}}),
+          performer::pose_of({{"mouthLeft", 0.8F}, {"mouthPucker", 0.3F}}),
+          performer::pose_of({{"jawRight", 0.7F}, {"jawOpen", 0.25F}, {"mouthRight", 0.3F}}),
+          performer::pose_of({{"noseSneer_R", 0.8F}, {"mouthUpperUp_R", 0.7F}, {"cheekSquint_R", 0.4F}})};
+}
 
 using eyewear::MarkerModel;
 using face::BlendshapeWeights;
@@ -122,25 +140,11 @@ std::vector<double> draw_begins(const SensorsRequest& request, double window_s, 
   return begins;
 }
 
-/// How far all wearers are together, in tests; the training counts as much as all tests of a wearer.
-struct SensorsCourse {
-  std::atomic<std::size_t> done = 0;
-  std::atomic<bool> stop = false;
-  /// False when it is to end.
-  bool passed(std::size_t tests) {
-    done += tests;
-    return !stop;
-  }
-};
-
 Result<SensorsOutcome> wear_for_study(const SensorsRequest& request, const sensor::Rig& rig,
                                       const builtin_face::MarkerSet& markers,
                                       const virt::EyewearFaults& faults, const virt::MarkerPoses& poses,
                                       const std::vector<SensorsTest>& tests, std::size_t index,
-                                      SensorsCourse& course) {
-  const auto stopped = [] {
-    return fail(ErrorCode::cancelled, "stopped before all wearers were measured", "study sensors");
-  };
+                                      PerformanceCount& tests_done) {
   const Random root = Random(request.seed).fork("sensors", index);
   MIEN_TRY_ASSIGN(const virt::EyewearWearer wearer,
                   virt::draw_eyewear_wearer(rig, faults, root.fork("wearer")));
@@ -170,7 +174,8 @@ Result<SensorsOutcome> wear_for_study(const SensorsRequest& request, const senso
   MIEN_TRY_ASSIGN(const MarkerModel without_hooks,
                   MarkerModel::fit(take_rows(training.distances_m, kept.rows, &frame_sensors), learnt));
 
-  if (!course.passed(tests.size())) return stopped();
+  tests_done.count(tests.size());
+  MIEN_TRY(tests_done.go_on());
 
   std::vector<std::size_t> every_marker(markers.markers.size());
   for (std::size_t m = 0; m < every_marker.size(); ++m) every_marker[m] = m;
@@ -199,12 +204,106 @@ Result<SensorsOutcome> wear_for_study(const SensorsRequest& request, const senso
       out.curve_s.push_back(static_cast<double>(t) * request.test_s + begins[static_cast<std::size_t>(i)]);
       out.curve_mm.push_back(one.over(every_marker).mean_mm);
     }
-    if (!course.passed(1)) return stopped();
+    tests_done.count();
+    MIEN_TRY(tests_done.go_on());
   }
   return out;
 }
 
 }  // namespace
+
+std::string_view sensors_test_set_name(SensorsTestSet set) {
+  constexpr std::array<std::string_view, kTestSets> kNames = {"neutral", "A", "B", "C"};
+  return kNames[static_cast<std::size_t>(set)];
+}
+
+std::vector<SensorsTest> make_sensors_tests(const virt::MarkerPoses& poses, Random random) {
+  std::vector<SensorsTest> tests = {{SensorsTestSet::neutral, {}}};
+  for (int i = 0; i < 6; ++i) tests.push_back({SensorsTestSet::components, poses.draw(random)});
+  for (const performer::Emotion emotion :
+       {performer::Emotion::joy, performer::Emotion::disgust, performer::Emotion::anger,
+        performer::Emotion::surprise, performer::Emotion::fear, performer::Emotion::sadness})
+    tests.push_back({SensorsTestSet::universal, weights_of(performer::emotion_expression(emotion).pose)});
+  for (const performer::Pose& pose : asymmetric_poses())
+    tests.push_back({SensorsTestSet::asymmetric, weights_of(pose)});
+  return tests;
+}
+
+namespace {}  // namespace
+
+void MarkerSums::add(const Eigen::VectorXd& estimate_m, const Eigen::VectorXd& truth_m) {
+  const Eigen::Index markers = truth_m.size() / 3;
+  if (samples_ == 0) {
+    distance_mm_ = Eigen::ArrayXd::Zero(markers);
+    square_mm2_ = Eigen::ArrayXd::Zero(markers);
+  }
+  ++samples_;
+  for (Eigen::Index m = 0; m < markers; ++m) {
+    const double mm = kMmPerM * (estimate_m - truth_m).segment<3>(3 * m).norm();
+    distance_mm_[m] += mm;
+    square_mm2_[m] += mm * mm;
+  }
+}
+
+void MarkerSums::add(const Eigen::MatrixXd& estimate_m, const Eigen::MatrixXd& truth_m) {
+  for (Eigen::Index i = 0; i < truth_m.rows(); ++i)
+    add(Eigen::VectorXd(estimate_m.row(i)), Eigen::VectorXd(truth_m.row(i)));
+}
+
+MarkerSums& MarkerSums::operator+=(const MarkerSums& more) {
+  if (samples_ == 0) return *this = more;
+  if (more.samples_ == 0) return *this;
+  samples_ += more.samples_;
+  distance_mm_ += more.distance_mm_;
+  square_mm2_ += more.square_mm2_;
+  return *this;
+}
+
+MarkerError MarkerSums::over(const std::vector<std::size_t>& markers) const {
+  MarkerError error;
+  if (samples_ == 0 || markers.empty()) return error;
+  const auto samples = static_cast<double>(samples_);
+  for (const std::size_t m : markers) {
+    error.mean_mm += distance_mm_[static_cast<Eigen::Index>(m)] / samples;
+    error.rmse_mm += std::sqrt(square_mm2_[static_cast<Eigen::Index>(m)] / samples);
+  }
+  error.mean_mm /= static_cast<double>(markers.size());
+  error.rmse_mm /= static_cast<double>(markers.size());
+  return error;
+}
+
+SensorsMethod sum_up(std::string name, std::size_t sensors,
+                     const std::vector<std::vector<MarkerSums>>& wearers,
+                     const std::vector<SensorsTest>& tests, const builtin_face::MarkerSet& markers) {
+  std::vector<std::size_t> every(markers.markers.size());
+  for (std::size_t m = 0; m < every.size(); ++m) every[m] = m;
+  const std::vector<std::size_t> eyes = markers.of(builtin_face::MarkerRegion::eyes_nose);
+  const std::vector<std::size_t> mouth = markers.of(builtin_face::MarkerRegion::mouth);
+  const auto row = [&](const MarkerSums& sums) {
+    return SensorsRow{sums.over(every), sums.over(eyes), sums.over(mouth)};
+  };
+  SensorsMethod out;
+  out.name = std::move(name);
+  out.sensors = sensors;
+  MarkerSums all;
+  std::array<MarkerSums, kTestSets> sets;
+  std::vector<MarkerSums> each(tests.size());
+  for (const std::vector<MarkerSums>& of_tests : wearers) {
+    MarkerSums wearer;
+    for (std::size_t t = 0; t < tests.size(); ++t) {
+      wearer += of_tests[t];
+      each[t] += of_tests[t];
+      sets[static_cast<std::size_t>(tests[t].set)] += of_tests[t];
+    }
+    out.wearers.push_back(row(wearer));
+    all += wearer;
+  }
+  out.overall = row(all);
+  for (std::size_t s = 0; s < kTestSets; ++s) out.sets[s] = row(sets[s]);
+  for (const MarkerSums& sums : each) out.tests.push_back(row(sums));
+  for (const std::size_t m : every) out.markers.push_back(all.over({m}));
+  return out;
+}
 
 std::vector<std::uint16_t> ear_hook_sensors(const sensor::Rig& rig) {
   std::vector<std::uint16_t> sensors;
@@ -226,19 +325,13 @@ Result<SensorsStudy> study_sensors(const SensorsRequest& request, const sensor::
                   virt::MarkerPoses::measure(markers, virt::kMeasuredBeforeS, root.fork("before")));
   const std::vector<SensorsTest> tests = make_sensors_tests(poses, root.fork("tests"));
   std::vector<SensorsOutcome> outcomes(static_cast<std::size_t>(request.wearers));
-  SensorsCourse course;
-  const std::size_t whole = 2 * tests.size() * outcomes.size();
-  const Progress by_test = [&](double, std::string_view) {
-    const std::size_t done = course.done;
-    if (!progress(static_cast<double>(done) / static_cast<double>(whole),
-                  fmt::format("{} wearers, {} tests each", outcomes.size(), tests.size())))
-      course.stop = true;
-    return !course.stop;
-  };
+  // Fitting a wearer's model takes as long as all of the tests.
+  PerformanceCount tests_done(progress, 2 * tests.size() * outcomes.size());
+  const Progress by_test = tests_done.progress();
   MIEN_TRY(virt::for_each_performer(
       outcomes.size(), request.threads, by_test, [&](std::size_t index) -> Result<void> {
         MIEN_TRY_ASSIGN(outcomes[index],
-                        wear_for_study(request, rig, markers, faults, poses, tests, index, course));
+                        wear_for_study(request, rig, markers, faults, poses, tests, index, tests_done));
         return {};
       }));
   SensorsStudy study;

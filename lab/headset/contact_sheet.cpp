@@ -1,12 +1,11 @@
 #include "lab/headset/contact_sheet.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 
+#include "lab/headset/camera_pictures.h"
 #include "mien/render/lettering.h"
 #include "mien/virtual/headset/headset_simulator.h"
 
@@ -95,21 +94,16 @@ Result<render::Image> headset_contact_sheet(const ContactSheetRequest& request, 
       write(virt::failure_name(failure), 0, top);
       top += above;
     }
-    std::vector<std::vector<std::uint8_t>> pictures;
-    std::vector<std::span<std::uint8_t>> out;
-    for (std::size_t v = 0; v < simulator.cameras(); ++v)
-      pictures.emplace_back(static_cast<std::size_t>(simulator.size(v).width) *
-                            static_cast<std::size_t>(simulator.size(v).height));
-    for (auto& picture : pictures) out.emplace_back(picture);
+    CameraPictures pictures(simulator);
     double time_s = 0;
     for (std::size_t c = 0; c < columns.size(); ++c) {
       for (int step = 0; step < kSettling; ++step, time_s += kStep_s)
-        simulator.shoot(time_s, columns[c].pose, columns[c].pose, out);
-      for (std::size_t v = 0; v < pictures.size(); ++v) {
+        simulator.shoot(time_s, columns[c].pose, columns[c].pose, pictures.out);
+      for (std::size_t v = 0; v < pictures.pixels.size(); ++v) {
         const virt::PictureSize size = simulator.size(v);
         render::Image view(size.width, size.height);
-        for (std::size_t p = 0; p < pictures[v].size(); ++p)
-          std::fill_n(view.rgb.begin() + static_cast<std::ptrdiff_t>(3 * p), 3, pictures[v][p]);
+        for (std::size_t p = 0; p < pictures.pixels[v].size(); ++p)
+          std::fill_n(view.rgb.begin() + static_cast<std::ptrdiff_t>(3 * p), 3, pictures.pixels[v][p]);
         render::paste(sheet, view, static_cast<int>(c) * block + static_cast<int>(v) * side, top);
       }
     }

@@ -6,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "lab/imu/loss_condition.h"
+#include "lab/imu/loss.h"
+#include "lab/worsened.h"
 #include "mien/solve/trace_features.h"
 #include "mien/synthetic/imu/watched_person.h"
 #include "mien/synthetic/shifted_person.h"
@@ -44,25 +45,18 @@ struct WornFault {
 };
 
 constexpr std::array<WornFault, 7> kWornFaults = {{
-    {"mountings slip 5 times as much", [](virt::DeviceFaults& f) { f.slip_deg_per_sqrt_min *= 5; }},
-    {"stuck up to 3 times as far off", [](virt::DeviceFaults& f) { f.mount_position_mm *= 3; }},
+    {"mountings slip 5 times as much", worsened<5, &virt::DeviceFaults::slip_deg_per_sqrt_min>},
+    {"stuck up to 3 times as far off", worsened<3, &virt::DeviceFaults::mount_position_mm>},
     {"adhesive lags 3 times as long",
      [](virt::DeviceFaults& f) {
        for (double& lag_ms : f.adhesive_lag_ms) lag_ms *= 3;
      }},
     {"gyroscopes 5 times worse",
-     [](virt::DeviceFaults& f) {
-       f.gyro_noise_dps_sqrt_hz *= 5;
-       f.gyro_bias_dps *= 5;
-       f.gyro_bias_walk_dps_sqrt_min *= 5;
-       f.gyro_scale *= 5;
-     }},
+     worsened<5, &virt::DeviceFaults::gyro_noise_dps_sqrt_hz, &virt::DeviceFaults::gyro_bias_dps,
+              &virt::DeviceFaults::gyro_bias_walk_dps_sqrt_min, &virt::DeviceFaults::gyro_scale>},
     {"accelerometers 5 times worse",
-     [](virt::DeviceFaults& f) {
-       f.accel_noise_ug_sqrt_hz *= 5;
-       f.accel_bias_mg *= 5;
-       f.accel_scale *= 5;
-     }},
+     worsened<5, &virt::DeviceFaults::accel_noise_ug_sqrt_hz, &virt::DeviceFaults::accel_bias_mg,
+              &virt::DeviceFaults::accel_scale>},
     {"ranges of 64 deg/s and 2 g",
      [](virt::DeviceFaults& f) {
        f.gyro_range_dps = 64;

@@ -7,10 +7,13 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <span>
+#include <string>
 #include <utility>
 
+#include "lab/imu/observed_rotations.h"
 #include "mien/core/sha256.h"
 #include "mien/core/units.h"
 #include "mien/imu/pipeline.h"
@@ -26,6 +29,61 @@
 
 namespace mien::lab {
 namespace {
+
+using virt::DeviceFaults;
+
+/// The rig's own of these faults on devices that have no other, mounted at any angle.
+template <auto... kMembers>
+DeviceFaults only(const DeviceFaults& rig) {
+  DeviceFaults faults{.mount_rotation_deg = 180};
+  ((faults.*kMembers = rig.*kMembers), ...);
+  return faults;
+}
+
+const std::array kHoursScenarios = std::to_array<HoursScenario>({
+    {.name = "default", .description = "the rig's faults"},
+    {.name = "perfect", .description = "devices without faults", .faults = only<>},
+    {.name = "slip",
+     .description = "the rig's slip of the adhesive, and no other fault",
+     .faults = only<&DeviceFaults::slip_deg_per_sqrt_min>},
+    {.name = "bias",
+     .description = "the gyroscopes' bias and its walk, and no other fault",
+     .faults = only<&DeviceFaults::gyro_bias_dps, &DeviceFaults::gyro_bias_walk_dps_sqrt_min>},
+    {.name = "scale",
+     .description = "scale errors of gyroscopes and accelerometers, and no other fault",
+     .faults = only<&DeviceFaults::gyro_scale, &DeviceFaults::accel_scale>},
+    {.name = "clocks",
+     .description = "offset and drift of the devices' clocks, and no other fault",
+     .faults = only<&DeviceFaults::clock_offset_s, &DeviceFaults::clock_drift_ppm>},
+    {.name = "loss",
+     .description = "delayed and lost packets, and no other fault",
+     .faults = only<&DeviceFaults::radio_delay_ms, &DeviceFaults::radio_delay_min_ms,
+                    &DeviceFaults::packet_loss, &DeviceFaults::sensor_loss_per_hour>},
+    {.name = "slip_x3",
+     .description = "the rig's faults, with three times its slip",
+     .faults =
+         [](const DeviceFaults& rig) {
+           DeviceFaults faults = rig;
+           faults.slip_deg_per_sqrt_min *= 3;
+           return faults;
+         }},
+    {.name = "slide",
+     .description = "one sensor slides by 10 degrees from minute 10 to 70",
+     .event = {.begin_min = 10, .end_min = 70, .turn_deg = 10}},
+    {.name = "jump",
+     .description = "one sensor jumps by 8 degrees in minute 40",
+     .event = {.begin_min = 40, .end_min = 40, .turn_deg = 8}},
+    {.name = "gap",
+     .description = "one sensor is silent for 5 seconds in minute 40, and its heading 20 degrees off then",
+     .event = {.begin_min = 40, .end_min = 40 + 5.0 / 60, .silent = true, .heading_deg = 20}},
+    {.name = "put_on_again",
+     .description = "one sensor is silent for minute 40, and worn elsewhere then, turned by 25 degrees",
+     .event = {.begin_min = 40, .end_min = 41, .turn_deg = 25, .silent = true, .shift_mm = 3}},
+    {.name = "still_head", .description = "the head does not turn after the calibration", .head_still = true},
+    {.name = "restart",
+     .description = "one sensor's board restarts in minutes 40 and 80",
+     .event = {.restarts_min = {40, 80}}},
+});
 
 /// Vertex errors are measured on every such frame, and the filter's consistency too.
 constexpr std::size_t kSampledFrames = 20;
@@ -69,13 +127,6 @@ struct RotationErrors {
     return count > 0 ? kDegPerRad * std::sqrt(squares_rad2 / static_cast<double>(count)) : 0;
   }
 };
-
-/// An error in frame H; none where no rotation was given.
-std::optional<Vec3> rotation_error(const model::SensorFeature& feature, const Quat& truth) {
-  if (!feature.has_rotation) return std::nullopt;
-  const auto& [w, x, y, z] = feature.rotation;
-  return log_rotation(Quat(w, x, y, z) * truth.conjugate());
-}
 
 class HoursPerformance {
  public:
@@ -138,15 +189,15 @@ class HoursPerformance {
     for (std::size_t i = 0; i < truth.size(); ++i) {
       ++expected_;
       const bool watched = sensor_ == face_sensors_[i];
-      if (const auto error = rotation_error(frozen_features_.sensors[i], truth[i]); watched && error)
-        frozen_sensor_errors_.add(*error);
-      const std::optional<Vec3> error = rotation_error(device_.sensors[i], truth[i]);
-      if (!error) continue;
-      rotation_errors_.add(*error);
-      vertical_errors_.add(error->dot(up) * up);
-      if (watched) sensor_errors_.add(*error);
+      if (watched && frozen_features_.sensors[i].has_rotation)
+        frozen_sensor_errors_.add(rotation_error(frozen_features_.sensors[i], truth[i]));
+      if (!device_.sensors[i].has_rotation) continue;
+      const Vec3 error = rotation_error(device_.sensors[i], truth[i]);
+      rotation_errors_.add(error);
+      vertical_errors_.add(error.dot(up) * up);
+      if (watched) sensor_errors_.add(error);
       if (frames_ % kSampledFrames != 0) continue;
-      nees_ += error->dot(pipeline_.status(face_sensors_[i]).drift_rad2.inverse() * *error) / 3;
+      nees_ += error.dot(pipeline_.status(face_sensors_[i]).drift_rad2.inverse() * error) / 3;
       ++judged_;
     }
   }
@@ -383,7 +434,77 @@ Result<HoursRun> perform_hours(const HoursRequest& request, const sensor::Rig& r
                   .pieces = performing.finish()};
 }
 
+HoursErrors mean_of(std::span<const HoursRun> runs, const HoursPiece& (*piece)(const HoursRun&)) {
+  HoursErrors sum;
+  for (const HoursRun& run : runs) {
+    const HoursErrors& mse = piece(run).mse;
+    sum.device += mse.device;
+    sum.lab += mse.lab;
+    sum.known += mse.known;
+    sum.frozen += mse.frozen;
+  }
+  const auto count = static_cast<double>(runs.size());
+  return {sum.device / count, sum.lab / count, sum.known / count, sum.frozen / count};
+}
+
+/// The one that begins ten minutes after what happens to a sensor, within a minute; the last one if none
+/// does.
+const HoursPiece& piece_after(const HoursRun& run) {
+  for (const HoursPiece& piece : run.pieces)
+    if (piece.begin_s >= run.event_end_s + performer::kPieceS - 60) return piece;
+  return run.pieces.back();
+}
+
+HoursSummary summary_of(std::span<const HoursRun> runs) {
+  HoursSummary out{.script = runs.front().script, .scenario = runs.front().scenario, .runs = runs.size()};
+  out.first_mse = mean_of(runs, [](const HoursRun& run) -> const HoursPiece& { return run.pieces.front(); });
+  out.last_mse = mean_of(runs, [](const HoursRun& run) -> const HoursPiece& { return run.pieces.back(); });
+  out.within_most = share_within(runs, kRatioOfMost);
+  out.within_all = share_within(runs, kRatioOfAll);
+  for (std::size_t p = 0; p < runs.front().pieces.size(); ++p) {
+    double rotation_deg = 0, nees = 0;
+    for (const HoursRun& run : runs) {
+      const HoursPiece& piece = run.pieces[p];
+      rotation_deg += piece.rotation_rms_deg / static_cast<double>(runs.size());
+      nees += piece.nees / static_cast<double>(runs.size());
+      if (p == 0) out.first_missing += piece.missing / static_cast<double>(runs.size());
+      out.worst_ratio = std::max(out.worst_ratio, piece.ratio);
+      out.worst_missing = std::max(out.worst_missing, piece.missing);
+      if (piece.worst_bias > out.worst_bias) {
+        out.worst_bias = piece.worst_bias;
+        out.worst_shape = piece.worst_shape;
+      }
+    }
+    if (p == 0) out.first_rotation_deg = rotation_deg;
+    out.worst_rotation_deg = std::max(out.worst_rotation_deg, rotation_deg);
+    out.least_nees = p == 0 ? nees : std::min(out.least_nees, nees);
+    out.most_nees = std::max(out.most_nees, nees);
+  }
+  for (const HoursRun& run : runs) {
+    const HoursPiece& piece = piece_after(run);
+    const auto count = static_cast<double>(runs.size());
+    out.sensor_deg += piece.sensor_rms_deg * piece.sensor_rms_deg / count;
+    out.frozen_sensor_deg += piece.frozen_sensor_rms_deg * piece.frozen_sensor_rms_deg / count;
+  }
+  out.sensor_deg = std::sqrt(out.sensor_deg);
+  out.frozen_sensor_deg = std::sqrt(out.frozen_sensor_deg);
+  return out;
+}
+
 }  // namespace
+
+std::span<const HoursScenario> hours_scenarios() {
+  return kHoursScenarios;
+}
+
+Result<HoursScenario> find_hours_scenario(std::string_view name) {
+  const auto found = std::ranges::find(kHoursScenarios, name, &HoursScenario::name);
+  if (found != kHoursScenarios.end()) return *found;
+  std::string names;
+  for (const HoursScenario& scenario : kHoursScenarios)
+    names += (names.empty() ? "" : ", ") + std::string(scenario.name);
+  return fail(ErrorCode::not_found, "there is no such scenario", std::string(name), "there are " + names);
+}
 
 Result<std::vector<HoursRun>> study_hours(const HoursRequest& request, const sensor::Rig& rig,
                                           const model::ModelFile& model, const Progress& progress,
@@ -431,6 +552,27 @@ Result<std::vector<HoursRun>> study_hours(const HoursRequest& request, const sen
         return cache != nullptr ? cache->keep(key_of(request, job), runs[missing[i]]) : Result<void>();
       }));
   return runs;
+}
+
+std::vector<HoursSummary> summarise(std::span<const HoursRun> runs) {
+  std::vector<HoursSummary> out;
+  for (const HoursRun& run : runs) {
+    const auto same = [&run](const auto& other) {
+      return other.script == run.script && other.scenario == run.scenario;
+    };
+    if (std::ranges::any_of(out, same)) continue;
+    std::vector<HoursRun> alike;
+    std::ranges::copy_if(runs, std::back_inserter(alike), same);
+    out.push_back(summary_of(alike));
+  }
+  return out;
+}
+
+double share_within(std::span<const HoursRun> runs, double limit) {
+  const auto within = std::ranges::count_if(runs, [limit](const HoursRun& run) {
+    return std::ranges::all_of(run.pieces, [limit](const HoursPiece& piece) { return piece.ratio <= limit; });
+  });
+  return runs.empty() ? 0 : static_cast<double>(within) / static_cast<double>(runs.size());
 }
 
 }  // namespace mien::lab

@@ -1,13 +1,16 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "lab/imu/hours_scenario.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/face/face.h"
@@ -16,8 +19,39 @@
 #include "mien/performer/long_motion.h"
 #include "mien/performer/script.h"
 #include "mien/sensor/rig.h"
+#include "mien/virtual/imu/device_faults.h"
 
 namespace mien::lab {
+
+/// What happens to one face sensor, which is drawn for each person. Minutes after the motion's start.
+struct HoursEvent {
+  double begin_min = 0;  ///< 0: nothing but what `restarts_min` says.
+  double end_min = 0;
+  double turn_deg = 0;     ///< It is turned on its skin by so much, about any axis, evenly from begin to end.
+  bool silent = false;     ///< Nothing is heard of it from begin to end.
+  double heading_deg = 0;  ///< Of a silent one: how far off the heading is that is integrated over the gap.
+  double shift_mm = 0;     ///< Of a silent one: it is put on elsewhere, one sigma an axis.
+  std::array<double, 2> restarts_min{};  ///< Its board begins anew then; 0: it does not.
+
+  /// When all of it has happened; 0: nothing happens.
+  [[nodiscard]] double last_min() const {
+    return std::max({begin_min, end_min, restarts_min[0], restarts_min[1]});
+  }
+};
+
+/// What may go wrong in a session of hours: devices' faults, how the head moves, and what befalls a sensor.
+struct HoursScenario {
+  std::string_view name;
+  std::string_view description;                                           ///< For people: a phrase.
+  virt::DeviceFaults (*faults)(const virt::DeviceFaults& rig) = nullptr;  ///< None: those of the rig.
+  bool head_still = false;  ///< After the prologue the head does not turn.
+  HoursEvent event;
+};
+
+/// All of them; "default" first.
+[[nodiscard]] std::span<const HoursScenario> hours_scenarios();
+/// Errors: not_found, listing the names.
+[[nodiscard]] Result<HoursScenario> find_hours_scenario(std::string_view name);
 
 /// Who performs for hours after one calibration, in the rig's *device* profile: every script and motion in
 /// every scenario, by everyone.
@@ -89,5 +123,33 @@ struct HoursCache {
                                                         const model::ModelFile& model,
                                                         const Progress& progress,
                                                         const HoursCache* cache = nullptr);
+
+/// Limits of the ratio that the study judges by: for nine runs of ten, and for all.
+inline constexpr double kRatioOfMost = 1.3, kRatioOfAll = 1.6;
+
+/// Runs of one kind together: figures of a piece are means over the runs.
+struct HoursSummary {
+  std::string script, scenario;
+  std::size_t runs = 0;
+  HoursErrors first_mse, last_mse;  ///< Of the first and of the last ten minutes.
+  double worst_ratio = 0;           ///< Largest of any run's pieces.
+  double within_most = 0;           ///< Share of the runs all of whose ratios are at most kRatioOfMost.
+  double within_all = 0;            ///< The same of kRatioOfAll.
+  double first_rotation_deg = 0;
+  double worst_rotation_deg = 0;         ///< Largest mean of any ten minutes.
+  double least_nees = 0, most_nees = 0;  ///< Range of the means of each ten minutes.
+  double first_missing = 0;              ///< Share of rotations, 0 to 1.
+  double worst_missing = 0;              ///< Largest of any run's pieces.
+  double worst_bias = 0;                 ///< Largest that grew in any run.
+  std::size_t worst_shape = 0;           ///< Of that.
+  /// Of the sensor to which something happens, ten minutes later, and in *frozen*: root mean square.
+  double sensor_deg = 0, frozen_sensor_deg = 0;
+};
+
+/// A summary of each script in each scenario, in the order in which they first appear.
+[[nodiscard]] std::vector<HoursSummary> summarise(std::span<const HoursRun> runs);
+
+/// Share of the runs whose every piece's ratio is at most `limit`.
+[[nodiscard]] double share_within(std::span<const HoursRun> runs, double limit);
 
 }  // namespace mien::lab

@@ -1,5 +1,3 @@
-#include "lab/imu/live_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "lab/imu/live_study.h"
 #include "mien/core/time.h"
 
 namespace mien::lab {
@@ -27,21 +26,21 @@ const std::array<Group, 5>& groups() {
   return all;
 }
 
-struct Column {
+struct LiveColumn {
   Measure measure;
   const char* head;
   int decimals;
 };
-constexpr std::array<Column, kMeasureCount> kColumns = {{{Measure::pve, "PVE, mm", 3},
-                                                         {Measure::pve_face, "PVE face, mm", 3},
-                                                         {Measure::landmarks, "landmarks, mm", 3},
-                                                         {Measure::mse, "MSE", 4},
-                                                         {Measure::mse_observed, "MSE of 42", 4},
-                                                         {Measure::jitter, "jitter", 2},
-                                                         {Measure::blinks, "blink F1", 2}}};
+constexpr std::array<LiveColumn, kMeasureCount> kColumns = {{{Measure::pve, "PVE, mm", 3},
+                                                             {Measure::pve_face, "PVE face, mm", 3},
+                                                             {Measure::landmarks, "landmarks, mm", 3},
+                                                             {Measure::mse, "MSE", 4},
+                                                             {Measure::mse_observed, "MSE of 42", 4},
+                                                             {Measure::jitter, "jitter", 2},
+                                                             {Measure::blinks, "blink F1", 2}}};
 
 /// "0.70 ± 0.14"; of one performer the figure alone.
-std::string figure(const LiveMethod& method, const Column& column) {
+std::string figure(const LiveMethod& method, const LiveColumn& column) {
   const std::optional<measure::MeanStd> value = method.over(column.measure);
   if (!value) return "-";
   if (method.performers.size() < 2) return fmt::format("{:.{}f}", value->mean, column.decimals);
@@ -85,28 +84,6 @@ std::vector<measure::KeyFigure> key_figures(const LiveSet& set) {
   return figures;
 }
 
-}  // namespace
-
-measure::Table live_table(const LiveSet& set) {
-  measure::Table table;
-  table.caption = set.who;
-  table.columns.emplace_back("");
-  for (const Column& column : kColumns) table.columns.emplace_back(column.head);
-  for (const LiveRow& row : set.rows) {
-    table.strong_rows.push_back(table.rows.size());
-    table.rows.push_back({fmt::format(
-        "{} ({} performer{}, {:.0f} s, {:.1f} % observed, {:.1f}° off)", row.title,
-        row.methods.front().performers.size(), row.methods.front().performers.size() == 1 ? "" : "s",
-        static_cast<double>(row.frames) / kFrameRateHz, 100 * row.observed, row.rotation_rms_deg)});
-    for (const LiveMethod& method : row.methods) {
-      std::vector<std::string>& cells = table.rows.emplace_back();
-      cells.push_back(method.name);
-      for (const Column& column : kColumns) cells.push_back(figure(method, column));
-    }
-  }
-  return table;
-}
-
 std::string live_legend() {
   return "Mean ± standard deviation over performers, each with a face, a style and devices of their own; "
          "every method "
@@ -120,6 +97,28 @@ std::string live_legend() {
          "and as wide as the performer's are around the mean pose: what knows more than that, of faces or of "
          "the past, "
          "can be below it. All else: docs/reference/metrics.md.";
+}
+
+}  // namespace
+
+measure::Table live_table(const LiveSet& set) {
+  measure::Table table;
+  table.caption = set.who;
+  table.columns.emplace_back("");
+  for (const LiveColumn& column : kColumns) table.columns.emplace_back(column.head);
+  for (const LiveRow& row : set.rows) {
+    table.strong_rows.push_back(table.rows.size());
+    table.rows.push_back({fmt::format(
+        "{} ({} performer{}, {:.0f} s, {:.1f} % observed, {:.1f}° off)", row.title,
+        row.methods.front().performers.size(), row.methods.front().performers.size() == 1 ? "" : "s",
+        static_cast<double>(row.frames) / kFrameRateHz, 100 * row.observed, row.rotation_rms_deg)});
+    for (const LiveMethod& method : row.methods) {
+      std::vector<std::string>& cells = table.rows.emplace_back();
+      cells.push_back(method.name);
+      for (const LiveColumn& column : kColumns) cells.push_back(figure(method, column));
+    }
+  }
+  return table;
 }
 
 measure::Report live_report(const LiveStudy& study, const std::string& subtitle) {

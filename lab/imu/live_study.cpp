@@ -6,7 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "lab/imu/loss_condition.h"
+#include "lab/columns.h"
+#include "lab/imu/loss.h"
 #include "lab/imu/observed_rotations.h"
 #include "lab/imu/sensor_bound.h"
 #include "lab/performance_count.h"
@@ -19,6 +20,7 @@
 #include "mien/performer/script.h"
 #include "mien/solve/solve.h"
 #include "mien/solve/trace_features.h"
+#include "mien/synthetic/imu/watched_person.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/model_input.h"
 #include "mien/virtual/imu/impair.h"
@@ -195,11 +197,13 @@ std::vector<Part> parts_of(LiveCondition condition, const LiveRequest& request, 
 }
 
 Figures figures_of(const measure::Metrics& metrics) {
-  const auto mean = [](const std::optional<measure::MeanStd>& value) {
-    return value ? std::optional(value->mean) : std::nullopt;
-  };
-  return {metrics.pve_mm.mean,  mean(metrics.pve_face_mm), mean(metrics.lmk_mm), metrics.mse,
-          metrics.mse_observed, metrics.jitter_ratio,      metrics.blink_f1};
+  return {metrics.pve_mm.mean,
+          optional_mean(metrics.pve_face_mm),
+          optional_mean(metrics.lmk_mm),
+          metrics.mse,
+          metrics.mse_observed,
+          metrics.jitter_ratio,
+          metrics.blink_f1};
 }
 
 Figures figures_of(const SensorBound& bound, double prior) {
@@ -210,11 +214,8 @@ Figures figures_of(const SensorBound& bound, double prior) {
     observed_variance += std::pow(prior * bound.left[k], 2);
     ++observed;
   }
-  const auto mean = [](const std::optional<measure::MeanStd>& value) {
-    return value ? std::optional(value->mean) : std::nullopt;
-  };
-  return {bound.pve_mm.mean, mean(bound.pve_face_mm),      mean(bound.lmk_mm),
-          bound.mse,         observed_variance / observed, std::nullopt,
+  return {bound.pve_mm.mean, optional_mean(bound.pve_face_mm), optional_mean(bound.lmk_mm),
+          bound.mse,         observed_variance / observed,     std::nullopt,
           std::nullopt};
 }
 
@@ -242,7 +243,9 @@ class Performing {
     if (!received) return rows;
     std::vector<Track> answers;
     for (const LiveModels::Causal& model : setting_.models.causal) {
-      MIEN_TRY_ASSIGN(answers.emplace_back(), answer(model.file, received->features));
+      MIEN_TRY_ASSIGN(
+          answers.emplace_back(),
+          synthetic::answers_of(model.file, setting_.rig.face_sensor_names(), received->features));
     }
     for (const Part& part : parts_of(condition, setting_.request, *received, round_s)) {
       MIEN_TRY_ASSIGN(LiveOutcome outcome, measure(condition, *received, part, answers));
@@ -283,20 +286,6 @@ class Performing {
     MIEN_TRY_ASSIGN(std::vector<model::FeatureFrame> features,
                     solve::trace_features(setting_.rig, session.events, session.entries, session.ticks));
     return Received{std::move(performance.sites), std::move(features), std::move(session.truth)};
-  }
-
-  /// A causal model through the whole session.
-  Result<Track> answer(const model::ModelFile& file, const std::vector<model::FeatureFrame>& features) const {
-    MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
-                    tracker::CausalTracker::create(file, setting_.rig.face_sensor_names()));
-    Track out;
-    out.reserve(features.size());
-    face::OutputFrame frame;
-    for (const model::FeatureFrame& feature : features) {
-      tracker.step(feature, frame);
-      out.push_back(frame.weights);
-    }
-    return out;
   }
 
   /// The window network on a stretch of features alone: nothing before it matters to it.

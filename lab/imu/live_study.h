@@ -11,6 +11,7 @@
 #include "mien/core/progress.h"
 #include "mien/face/face.h"
 #include "mien/measure/metrics.h"
+#include "mien/measure/report.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
 #include "mien/tracker/window_solver.h"
@@ -129,5 +130,13 @@ struct LiveRequest {
 /// faults; cancelled.
 [[nodiscard]] Result<LiveStudy> study_live(const LiveRequest& request, const sensor::Rig& rig,
                                            const LiveModels& models, const Progress& progress);
+
+/// A set's rows as one table: each condition a strong row that says how well was sensed, then its methods,
+/// each figure as mean ± standard deviation over performers.
+[[nodiscard]] measure::Table live_table(const LiveSet& set);
+
+/// The whole study on one page: for each set its figures, a plot of the vertex error for each group of
+/// conditions, and the table.
+[[nodiscard]] measure::Report live_report(const LiveStudy& study, const std::string& subtitle);
 
 }  // namespace mien::lab

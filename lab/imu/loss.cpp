@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <utility>
 
 #include "lab/imu/observed_rotations.h"
 #include "lab/performance_count.h"
+#include "mien/core/draw_first.h"
 #include "mien/core/units.h"
 #include "mien/measure/evaluation.h"
 #include "mien/shaping/shaper.h"
@@ -20,6 +22,20 @@
 
 namespace mien::lab {
 namespace {
+
+constexpr double kBurstLength = 10;       // Packets: a sixth of a second.
+constexpr double kDisorderJitterMs = 20;  // Even, up to twice it; packets are 17 ms apart.
+constexpr double kClockStepUs = 500;
+constexpr double kClockStepEveryS = 10;
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+/// The face sensors in a random order: those that are in trouble first, so that three silent sensors are the
+/// two and one more.
+std::vector<std::uint16_t> drawn_sensors(const sensor::Rig& rig, Random random) {
+  std::vector<std::uint16_t> sensors = rig.face_sensors();
+  draw_first(std::span(sensors), sensors.size(), random);
+  return sensors;
+}
 
 /// A performance, on whose face it was.
 struct Played {
@@ -168,7 +184,195 @@ LossRow pooled(const LossCondition& condition, const sensor::Rig& rig,
   return row;
 }
 
+std::string percent(double share) {
+  return fmt::format("{:+.1f} %", 100 * share);
+}
+
+std::string allowed(double rise) {
+  return fmt::format("at most {} is promised", percent(rise));
+}
+
+/// Error against the share that was lost, beginning with the clean condition.
+measure::Line curve(const LossStudy& study, Fault fault, const std::string& name) {
+  measure::Line line{name, {0}, {study.rows.front().mse}};
+  for (const LossRow& row : study.rows)
+    if (row.condition.fault == fault) {
+      line.x.push_back(row.condition.amount);
+      line.y.push_back(row.mse);
+    }
+  return line;
+}
+
+measure::LinePlot curves(const LossStudy& study) {
+  measure::LinePlot plot;
+  plot.title = "Weight error against lost packets";
+  plot.x_label = "packets lost beyond the rig's own (%)";
+  plot.y_label = "MSE";
+  plot.lines = {curve(study, Fault::loss, "each by itself"),
+                curve(study, Fault::bursts, "in bursts of ten packets")};
+  double most = 0;
+  for (const measure::Line& line : plot.lines) most = std::max(most, line.x.back());
+  const double promised = (1 + kRiseAllowedAt10Percent) * study.rows.front().mse;
+  plot.lines.push_back({"promised at 10 %", {0, most}, {promised, promised}});
+  plot.lines.push_back({"mean pose", {0, most}, {study.mean_pose_mse, study.mean_pose_mse}});
+  return plot;
+}
+
+measure::BarPlot sensors(const LossStudy& study) {
+  measure::BarPlot plot;
+  plot.title = "Weight error without one sensor";
+  plot.value_label = "MSE";
+  plot.series = {"MSE"};
+  plot.groups.push_back({"all there", {study.rows.front().mse}, {}});
+  for (const LossRow& row : study.rows)
+    if (row.condition.fault == Fault::sensor_silent)
+      plot.groups.push_back({row.condition.sensor, {row.mse}, {}});
+  return plot;
+}
+
 }  // namespace
+
+std::string LossCondition::name() const {
+  switch (fault) {
+    case Fault::none:
+      return "clean";
+    case Fault::loss:
+      return fmt::format("{:g} % lost", amount);
+    case Fault::bursts:
+      return fmt::format("{:g} % lost in bursts", amount);
+    case Fault::jitter:
+      return fmt::format("jitter {:g} ms", amount);
+    case Fault::even_jitter:
+      return fmt::format("jitter 0 to {:g} ms", amount);
+    case Fault::lag:
+      return fmt::format("lag {:g} ms", amount);
+    case Fault::disorder:
+      return fmt::format("{:g} % twice, out of order", amount);
+    case Fault::clock_drift:
+      return fmt::format("clocks {:g} ppm off, stepped", amount);
+    case Fault::restart:
+      return "one restarts half-way";
+    case Fault::shared_id:
+      return "two with one id, nobody chooses";
+    case Fault::sensor_silent:
+      return "without " + sensor;
+    case Fault::sensors_silent:
+      return fmt::format("without {:g} at once", amount);
+    case Fault::head_silent:
+      return fmt::format("head's silent for {:g} s", amount);
+    case Fault::corrupted:
+      return fmt::format("{:g} % corrupted", amount);
+    case Fault::truncated:
+      return fmt::format("{:g} % cut short", amount);
+    case Fault::frozen:
+      return fmt::format("{:g} frozen", amount);
+    case Fault::all_silent:
+      return fmt::format("all silent for {:g} s", amount);
+  }
+  return {};
+}
+
+std::vector<LossCondition> loss_conditions(const sensor::Rig& rig) {
+  std::vector<LossCondition> out;
+  for (const double percent : {2.0, 5.0, 10.0, 20.0}) out.push_back({Fault::loss, percent, {}});
+  for (const double percent : {2.0, 5.0, 10.0, 20.0}) out.push_back({Fault::bursts, percent, {}});
+  for (const double ms : {20.0, 50.0, 100.0}) out.push_back({Fault::jitter, ms, {}});
+  out.push_back({Fault::even_jitter, 100, {}});
+  out.push_back({Fault::lag, 100, {}});
+  out.push_back({Fault::disorder, 20, {}});
+  out.push_back({Fault::clock_drift, 50, {}});
+  const std::vector<std::string> sensors = rig.face_sensor_names();
+  if (!sensors.empty()) out.push_back({Fault::restart, 0, {}});
+  if (sensors.size() > 1) out.push_back({Fault::shared_id, 0, {}});
+  if (rig.head_sensor()) out.push_back({Fault::head_silent, 2, {}});
+  for (const std::string& sensor : sensors) out.push_back({Fault::sensor_silent, 0, sensor});
+  for (const double count : {2.0, 3.0})
+    if (static_cast<double>(sensors.size()) > count) out.push_back({Fault::sensors_silent, count, {}});
+  return out;
+}
+
+Result<Impairment> impairment(const LossCondition& condition, const sensor::Rig& rig, double begin_s,
+                              double end_s, const Random& random) {
+  const std::vector<std::uint16_t> drawn = drawn_sensors(rig, random.fork("sensors"));
+  const double middle_s = 0.5 * (begin_s + end_s);
+  const std::size_t needed = condition.fault == Fault::restart     ? 1
+                             : condition.fault == Fault::shared_id ? 2
+                             : condition.fault == Fault::sensors_silent || condition.fault == Fault::frozen
+                                 ? std::max(0.0, condition.amount)
+                                 : 0;
+  if (needed > drawn.size())
+    return fail(ErrorCode::not_found, "the rig has too few face sensors for: " + condition.name(), rig.name);
+  Impairment out;
+  switch (condition.fault) {
+    case Fault::none:
+      break;
+    case Fault::loss:
+      out.network.loss = 0.01 * condition.amount;
+      break;
+    case Fault::bursts:
+      out.network.burst_share = 0.01 * condition.amount;
+      out.network.burst_length = kBurstLength;
+      break;
+    case Fault::jitter:
+      out.network.jitter_ms = condition.amount;
+      break;
+    case Fault::even_jitter:
+      out.network.jitter_ms = 0.5 * condition.amount;
+      out.network.jitter = virt::NetworkSettings::Jitter::uniform;
+      break;
+    case Fault::lag:
+      out.network.lag_ms = condition.amount;
+      break;
+    case Fault::disorder:
+      out.network.duplicated = 0.01 * condition.amount;
+      out.network.jitter_ms = kDisorderJitterMs;
+      out.network.jitter = virt::NetworkSettings::Jitter::uniform;
+      break;
+    case Fault::clock_drift:
+      for (std::size_t s = 0; s < rig.sensors.size(); ++s) {
+        Random clock = random.fork("clock", s);
+        const double fast = clock.chance(0.5) ? 1 : -1;
+        const double ahead = clock.chance(0.5) ? 1 : -1;
+        out.troubles.clocks.push_back(
+            {static_cast<std::uint16_t>(s), fast * condition.amount, ahead * kClockStepUs, kClockStepEveryS});
+      }
+      break;
+    case Fault::restart:
+      out.troubles.restarts.push_back({.sensor = drawn[0], .at_s = middle_s});
+      break;
+    case Fault::shared_id:
+      out.troubles.shared_ids.push_back({.sensor = drawn[0], .as = drawn[1]});
+      break;
+    case Fault::sensor_silent: {
+      const auto sensor = rig.find(condition.sensor);
+      if (!sensor) return fail(ErrorCode::not_found, "the rig has no sensor " + condition.sensor, rig.name);
+      out.troubles.silences.push_back({*sensor, 0, kForever});
+      break;
+    }
+    case Fault::sensors_silent:
+      for (std::size_t i = 0; i < needed; ++i) out.troubles.silences.push_back({drawn[i], 0, kForever});
+      break;
+    case Fault::head_silent: {
+      const auto sensor = rig.head_sensor();
+      if (!sensor) return fail(ErrorCode::not_found, "the rig has no sensor for the head", rig.name);
+      out.troubles.silences.push_back({*sensor, middle_s, middle_s + condition.amount});
+      break;
+    }
+    case Fault::corrupted:
+      out.network.corrupted = 0.01 * condition.amount;
+      break;
+    case Fault::truncated:
+      out.network.truncated = 0.01 * condition.amount;
+      break;
+    case Fault::frozen:
+      for (std::size_t i = 0; i < needed; ++i) out.troubles.frozen.push_back({drawn[i], begin_s, end_s});
+      break;
+    case Fault::all_silent:
+      out.troubles.silences.push_back({std::nullopt, middle_s, middle_s + condition.amount});
+      break;
+  }
+  return out;
+}
 
 const LossRow* LossStudy::find(Fault fault, double amount) const {
   for (const LossRow& row : rows)
@@ -251,6 +455,57 @@ Result<LossStudy> study_loss(const LossRequest& request, const sensor::Rig& rig,
     row.given_up = known > 0 ? (row.mse - clean_mse) / known : 0;
   }
   return study;
+}
+
+const Columns<LossRow>& loss_columns() {
+  static const Columns<LossRow> columns = {
+      {"condition", "", "{}", [](const LossRow& row) { return row.condition.name(); }},
+      {"frames", "", "", &LossRow::frames},
+      {"mse", "MSE", "{:.5f}", &LossRow::mse},
+      {"rise", "rise, %", "{:+.1f}", &LossRow::rise, 100},
+      {"given_up", "given up, %", "{:+.1f}", &LossRow::given_up, 100},
+      {"mse_observed", "MSE of 42", "{:.5f}", &LossRow::mse_observed},
+      {"pve_mm", "PVE, mm", "{:.3f}", &LossRow::pve_mm},
+      {"observed", "observed, %", "{:.1f}", &LossRow::observed, 100},
+      {"rotation_rms_deg", "rotation, °", "{:.1f}", &LossRow::rotation_rms_deg},
+      {"largest_step", "largest step", "{:.3f}", &LossRow::largest_step},
+      {"truth_step", "truth's", "{:.3f}", &LossRow::truth_step},
+      {"unsound_frames", "unsound", "{}", &LossRow::unsound},
+      {"mistold_frames", "mistold", "{}", &LossRow::mistold},
+      {"performance_mse", "", "", &LossRow::performance_mse}};
+  return columns;
+}
+
+measure::Report loss_report(const LossStudy& study, const std::string& subtitle) {
+  measure::Report report("Accuracy against loss", subtitle);
+  const LossRow& clean = study.rows.front();
+  std::vector<measure::KeyFigure> figures = {{"Weight MSE, clean", fmt::format("{:.5f}", clean.mse),
+                                              fmt::format("mean pose {:.5f}", study.mean_pose_mse)}};
+  if (const LossRow* tenth = study.find(Fault::loss, 10))
+    figures.push_back({"With 10 % lost", percent(tenth->rise), allowed(kRiseAllowedAt10Percent)});
+  if (const LossRow* worst = study.worst_sensor())
+    figures.push_back({"Without " + worst->condition.sensor + ", the worst to lose", percent(worst->rise),
+                       allowed(kRiseAllowedWithoutASensor)});
+  figures.push_back({"Promises", study.kept() ? "kept" : "not kept", ""});
+  figures.push_back({"Frames not sound", fmt::format("{}", study.unsound() + study.mistold()), "of all"});
+  report.key_figures(figures);
+  report.plot(curves(study));
+  if (study.worst_sensor() != nullptr) report.bars(sensors(study));
+  measure::Table table = table_of("Every condition, on the same performances", study.rows, loss_columns());
+  table.strong_rows = {0};
+  report.table(table);
+  report.text(
+      "Each condition is the same performances heard through a worse network or from devices in trouble, the "
+      "prologue too. The rig's own faults, lost packets among them, are there in every one, also in the "
+      "clean. Rise is of the MSE, against clean. Given up is the share gone of what the model knows, by "
+      "which "
+      "it beats the mean pose when all is well: 100 is as good as knowing nothing. Felt is the share of the "
+      "face sensors' rotations that the model was given; rotation is how far these are off, RMS. Largest "
+      "step is "
+      "the largest change of any weight from one frame to the next, beside the truth's own. Unsound are "
+      "frames with a weight that is no number or outside 0 to 1; mistold are frames that say measured where "
+      "no sensor was there, or do not where all were. MSE and PVE: docs/reference/metrics.md.");
+  return report;
 }
 
 }  // namespace mien::lab

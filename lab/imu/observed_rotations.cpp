@@ -6,6 +6,11 @@
 
 namespace mien::lab {
 
+Vec3 rotation_error(const model::SensorFeature& given, const Quat& truth) {
+  const auto& [w, x, y, z] = given.rotation;
+  return log_rotation(Quat(w, x, y, z) * truth.conjugate());
+}
+
 ObservedRotations::ObservedRotations(const sensor::Rig& rig)
     : face_sensors_(rig.face_sensors()), observed_(face_sensors_.size(), 0) {}
 
@@ -15,9 +20,7 @@ void ObservedRotations::add(const model::FeatureFrame& features, const face::Ble
   for (std::size_t i = 0; i < face_sensors_.size(); ++i) {
     const model::SensorFeature& sensor = features.sensors[i];
     if (!sensor.has_rotation) continue;
-    const auto& [w, x, y, z] = sensor.rotation;
-    const Quat skin = sites[face_sensors_[i]].rotation(truth);
-    squares_rad2_ += log_rotation(Quat(w, x, y, z) * skin.conjugate()).squaredNorm();
+    squares_rad2_ += rotation_error(sensor, sites[face_sensors_[i]].rotation(truth)).squaredNorm();
     ++observed_[i];
   }
 }

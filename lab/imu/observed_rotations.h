@@ -4,12 +4,16 @@
 #include <span>
 #include <vector>
 
+#include "mien/core/rotation.h"
 #include "mien/face/profile.h"
 #include "mien/model/features.h"
 #include "mien/sensor/rig.h"
 #include "mien/virtual/imu/skin_site.h"
 
 namespace mien::lab {
+
+/// How far a rotation that was given lies from the truth, as a rotation vector in frame H, rad.
+[[nodiscard]] Vec3 rotation_error(const model::SensorFeature& given, const Quat& truth);
 
 /// How many of the face sensors' rotations a model was given, and how far they lie from the truth: what
 /// sensing and calibration cost, whatever the model makes of it.

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "mien/face/face.h"
 #include "mien/measure/metrics.h"
 #include "mien/virtual/imu/skin_site.h"
 

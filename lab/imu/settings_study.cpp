@@ -1,8 +1,10 @@
 #include "lab/imu/settings_study.h"
 
 #include <algorithm>
-#include <utility>
+#include <cmath>
 
+#include "lab/imu/observed_rotations.h"
+#include "mien/core/units.h"
 #include "mien/measure/evaluation.h"
 #include "mien/model/schedule.h"
 #include "mien/performer/performer.h"
@@ -78,6 +80,60 @@ FilteredFigures mean_over(std::span<const PersonMetrics> people, std::size_t fil
   return out;
 }
 
+/// Squared errors of one performer under one setting, rad^2.
+struct DriftSums {
+  double squares = 0, vertical = 0, count = 0;
+
+  DriftSums& operator+=(const DriftSums& other) {
+    squares += other.squares;
+    vertical += other.vertical;
+    count += other.count;
+    return *this;
+  }
+};
+
+double rms_deg(double squares, double count) {
+  return count > 0 ? kDegPerRad * std::sqrt(squares / count) : 0;
+}
+
+Result<DriftSums> compare(const sensor::Rig& rig, const std::vector<virt::SkinSite>& sites,
+                          const virt::VirtualSession& session, const imu::DriftSettings& drift) {
+  imu::PipelineSettings settings;
+  settings.drift = drift;
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> frames,
+                  solve::trace_features(rig, session.events, session.entries, session.ticks, settings));
+  const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
+  DriftSums sums;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    if (!session.truth[f].evaluated) continue;
+    for (std::size_t i = 0; i < face_sensors.size(); ++i) {
+      const model::SensorFeature& sensor = frames[f].sensors[i];
+      if (!sensor.has_rotation) continue;
+      const Vec3 error = rotation_error(sensor, sites[face_sensors[i]].rotation(session.truth[f].weights));
+      sums.squares += error.squaredNorm();
+      sums.vertical += error.y() * error.y();
+      ++sums.count;
+    }
+  }
+  return sums;
+}
+
+Result<std::vector<DriftSums>> perform_one(const DriftRequest& request, const sensor::Rig& rig,
+                                           const virt::DeviceFaults& faults,
+                                           std::span<const imu::DriftSettings> settings,
+                                           std::size_t performer) {
+  const Random root = Random(request.seed).fork("drift", performer);
+  const virt::VirtualPerson person = virt::draw_person(root);
+  MIEN_TRY_ASSIGN(const virt::Performance performance,
+                  virt::perform_with({.faults = faults}, person.face,
+                                     virt::draw_motion(request.seconds, person.style, root), rig, root));
+  std::vector<DriftSums> sums;
+  for (const imu::DriftSettings& drift : settings) {
+    MIEN_TRY_ASSIGN(sums.emplace_back(), compare(rig, performance.sites, performance.session, drift));
+  }
+  return sums;
+}
+
 }  // namespace
 
 Result<std::vector<JitterTrial>> study_jitter(const JitterRequest& request, const sensor::Rig& rig,
@@ -114,6 +170,29 @@ std::optional<std::size_t> best_filter(std::span<const JitterTrial> trials, doub
     if (!best || error(trials[i]) < error(trials[*best])) best = i;
   }
   return best;
+}
+
+Result<std::vector<Drift>> study_drift(const DriftRequest& request, const sensor::Rig& rig,
+                                       std::span<const imu::DriftSettings> settings,
+                                       const Progress& progress) {
+  MIEN_TRY_ASSIGN(const virt::DeviceFaults faults, virt::parse_faults(rig.faults_toml, rig.name));
+  const auto count = static_cast<std::size_t>(std::max(request.performers, 1));
+  std::vector<std::vector<DriftSums>> sums(count);
+  MIEN_TRY(virt::for_each_performer(count, request.threads, progress, [&](std::size_t p) -> Result<void> {
+    MIEN_TRY_ASSIGN(sums[p], perform_one(request, rig, faults, settings, p));
+    return {};
+  }));
+
+  std::vector<Drift> drifts;
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    DriftSums all;
+    Drift drift{.settings = settings[i]};
+    for (const std::vector<DriftSums>& one : sums) all += one[i];
+    drift.rms_deg = rms_deg(all.squares, all.count);
+    drift.vertical_rms_deg = rms_deg(all.vertical, all.count);
+    drifts.push_back(drift);
+  }
+  return drifts;
 }
 
 }  // namespace mien::lab

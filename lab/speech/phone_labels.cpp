@@ -11,7 +11,7 @@
 namespace mien::lab {
 namespace {
 
-using Json = nlohmann::json;
+using PhoneJson = nlohmann::json;
 
 constexpr double kLongest_s = 3600;
 
@@ -30,14 +30,14 @@ Result<void> add(std::string_view phone, double begin_s, double end_s, const std
 }
 
 /// Leaves are phones.
-Result<void> walk(const Json& node, int depth, const std::string& where,
+Result<void> walk(const PhoneJson& node, int depth, const std::string& where,
                   std::vector<synthetic::Closure>& closures) {
   constexpr int kDeepest = 8;
   if (!node.is_object() || depth > kDeepest)
     return fail(ErrorCode::malformed, "no alignment: neither objects of b, d, t and w nor HTK's lines",
                 where);
   if (const auto parts = node.find("w"); parts != node.end() && parts->is_array()) {
-    for (const Json& part : *parts) MIEN_TRY(walk(part, depth + 1, where, closures));
+    for (const PhoneJson& part : *parts) MIEN_TRY(walk(part, depth + 1, where, closures));
     return {};
   }
   const auto begin = node.find("b"), length = node.find("d"), text = node.find("t");
@@ -73,7 +73,7 @@ Result<std::vector<synthetic::Closure>> parse_phone_labels(std::string_view text
   std::vector<synthetic::Closure> closures;
   if (const std::size_t first = text.find_first_not_of(" \t\r\n");
       first < text.size() && text[first] == '{') {
-    const Json root = Json::parse(text, nullptr, false);
+    const PhoneJson root = PhoneJson::parse(text, nullptr, false);
     if (root.is_discarded()) return fail(ErrorCode::malformed, "it is no JSON", where);
     MIEN_TRY(walk(root, 0, where, closures));
     return closures;

@@ -3,23 +3,129 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string_view>
 #include <utility>
+#include <vector>
 
-#include "lab/speech/heard_frames.h"
-#include "lab/speech/loudness_listener.h"
-#include "lab/speech/sound_conditions.h"
+#include "mien/core/random.h"
+#include "mien/core/time.h"
 #include "mien/performer/lines.h"
+#include "mien/solve/region_tally.h"
+#include "mien/speech/articulator.h"
 #include "mien/speech/heard_track.h"
+#include "mien/speech/listener.h"
 #include "mien/speech/listeners.h"
+#include "mien/speech/sound_block.h"
+#include "mien/speech/spoken_mouth.h"
 #include "mien/synthetic/confidence_fit.h"
+#include "mien/synthetic/logistic_fit.h"
 #include "mien/synthetic/speech/other_sounds.h"
 #include "mien/synthetic/speech/speech_dataset.h"
 #include "mien/synthetic/speech/spoken_passage.h"
+#include "mien/tracker/shape_confidence.h"
 #include "mien/virtual/performers.h"
 
 namespace mien::lab {
 namespace {
+
+/// Under what speech is heard in studies.
+inline constexpr std::array<std::string_view, 7> kSoundConditions = {
+    "clean", "noise at 20 dB", "noise at 10 dB", "noise at 5 dB", "room", "20 dB quieter", "telephone"};
+
+/// The sound, speech::kRateHz, as one of kSoundConditions has it.
+std::vector<float> disturbed(std::span<const float> sound, std::size_t condition, const Random& random) {
+  std::vector<float> out(sound.begin(), sound.end());
+  Random drawn = random.fork("condition", condition);
+  const auto noise = [&](double snr_db) {
+    const auto kind =
+        static_cast<synthetic::OtherSound>(drawn.below(5));  // Breath and cough are for those who speak.
+    synthetic::mix_at(snr_db, synthetic::make_other_sound(kind, out.size(), drawn.fork("noise")), out);
+  };
+  switch (condition) {
+    case 1:
+      noise(20);
+      break;
+    case 2:
+      noise(10);
+      break;
+    case 3:
+      noise(5);
+      break;
+    case 4:
+      synthetic::put_in_room(0.4, 3, drawn.fork("room"), out);
+      break;
+    case 5:
+      for (float& s : out) s *= 0.1F;
+      break;
+    case 6:
+      synthetic::limit_band(300, 3400, out);
+      break;
+    default:
+      break;
+  }
+  return out;
+}
+
+/// Told of each frame's time, and what is shown of whoever speaks; none while nobody does.
+using SeeHeard = std::function<void(DeviceTime time, const std::optional<speech::Heard>& heard)>;
+/// Streams a sound through a listener, begun anew, as a session hears it: 60 frames a second, each asked for
+/// as soon as the block is there that reaches it.
+void hear_frames(speech::Listener& listener, std::span<const speech::Block> blocks, const SeeHeard& see);
+
+void hear_frames(speech::Listener& listener, std::span<const speech::Block> blocks, const SeeHeard& see) {
+  listener.reset();
+  speech::SpokenMouth mouth(listener.smoothing());
+  DeviceTime block_time{};
+  std::int64_t frame = 0;
+  for (const speech::Block& block : blocks) {
+    mouth.push(listener.push(block_time, block));
+    // A frame is fired by the sample that reaches it, which is in the middle of its block.
+    for (; DeviceTime(frame_offset(frame)) <= block_time + speech::kBlockDuration / 2; ++frame) {
+      const DeviceTime time(frame_offset(frame));
+      see(time, mouth.tick(time));
+    }
+    block_time += speech::kBlockDuration;
+  }
+}
+
+/// What loudness alone tells, as puppets have it: the jaw opens with the level above a floor that follows the
+/// room's (up to 0.4 at 30 dB), lips are closed where the level falls 12 dB below what it was lately. A
+/// baseline.
+class LoudnessListener final : public speech::Listener {
+ public:
+  speech::Heard push(DeviceTime time, const speech::Block& block) override;
+  void reset() override;
+
+ private:
+  double floor_db_ = 0, peak_db_ = 0;
+  bool begun_ = false;
+};
+
+speech::Heard LoudnessListener::push(DeviceTime time, const speech::Block& block) {
+  // A block: how fast the floor rises and the peak falls, dB.
+  constexpr double kRise_db = 0.1, kFall_db = 1;
+  constexpr double kVoice_db = 10, kOpen_db = 30, kOpen = 0.4, kDip_db = 12;
+  const double level_db = 20 * std::log10(std::max(1e-4, double{speech::loudness_of(block).rms}));
+  if (!begun_) floor_db_ = peak_db_ = level_db;
+  begun_ = true;
+  floor_db_ = std::min(level_db, floor_db_ + kRise_db);
+  peak_db_ = std::max(level_db, peak_db_ - kFall_db);
+  speech::Heard heard{.time = time + speech::kBlockDuration / 2, .weights = {}};
+  heard.voice = level_db > floor_db_ + kVoice_db ? 1 : 0;
+  heard.weights[face::shape("jawOpen")] =
+      static_cast<float>(kOpen * std::clamp((level_db - floor_db_ - kVoice_db) / kOpen_db, 0.0, 1.0));
+  heard.closure = peak_db_ > floor_db_ + kVoice_db && level_db < peak_db_ - kDip_db ? 1 : 0;
+  speech::close_lips(heard.closure, heard.weights);
+  return heard;
+}
+
+void LoudnessListener::reset() {
+  begun_ = false;
+}
 
 using speech::Heard;
 using speech::Listener;
@@ -146,6 +252,56 @@ PassageTallies listen_to(const synthetic::SpokenPassage& passage, const Random& 
   return tallies;
 }
 
+constexpr auto kMouth = static_cast<std::size_t>(face::ShapeRegion::mouth),
+               kJaw = static_cast<std::size_t>(face::ShapeRegion::jaw);
+
+/// A frame in which somebody speaks.
+struct HeardFrame {
+  float voice = 0;
+  face::BlendshapeWeights answer, truth;
+};
+/// Of one passage, under each of kSoundConditions.
+using HeardPassage = std::array<std::vector<HeardFrame>, kSoundConditions.size()>;
+
+tracker::Coverage coverage_of(const HeardFrame& frame) {
+  tracker::Coverage coverage{};
+  coverage.fill(frame.voice);
+  return coverage;
+}
+
+std::vector<HeardFrame> listen(speech::Listener& listener, std::span<const speech::Block> blocks,
+                               const face::MotionCurve& truth) {
+  std::vector<HeardFrame> frames;
+  hear_frames(listener, blocks, [&](DeviceTime time, const std::optional<speech::Heard>& heard) {
+    if (heard)
+      frames.push_back({heard->voice, heard->weights, truth.at(to_seconds(time.time_since_epoch())).weights});
+  });
+  return frames;
+}
+
+Result<std::vector<HeardPassage>> listen_to(const speech::SpeechNetworkFile& network,
+                                            const HeardPeople& people, const performer::Speaker& speaker,
+                                            const Progress& progress) {
+  const std::vector<synthetic::Voice> voices = synthetic::voices_for(people.voices);
+  const auto passages = static_cast<std::size_t>(people.passages);
+  std::vector<HeardPassage> heard(voices.size() * passages);
+  const Random root = Random(people.seed).fork("heard people");
+  MIEN_TRY(
+      virt::for_each_performer(heard.size(), people.threads, progress, [&](std::size_t i) -> Result<void> {
+        const synthetic::Voice& voice = voices[i / passages];
+        const Random random = root.fork(voice.name, i % passages);
+        MIEN_TRY_ASSIGN(const synthetic::SpokenPassage passage,
+                        synthetic::speak_passage(speaker, voice.name, voice.language, random));
+        MIEN_TRY_ASSIGN(speech::SpeechNetwork own, speech::SpeechNetwork::create(network));
+        speech::LearnedListener listener(std::move(own));
+        const face::MotionCurve truth(passage.face);
+        for (std::size_t c = 0; c < kSoundConditions.size(); ++c)
+          heard[i][c] = listen(listener, synthetic::blocks_of(disturbed(passage.sound, c, random)), truth);
+        return {};
+      }));
+  return heard;
+}
+
 }  // namespace
 
 Result<SpeechStudy> study_speech(const SpeechRequest& request, const performer::Speaker& speaker,
@@ -225,6 +381,61 @@ Result<SpeechStudy> study_speech(const SpeechRequest& request, const performer::
       study.others.push_back(
           {std::string(kMethods[m]), std::string(synthetic::kOtherSoundNames[kind]), moving[kind][m]});
   return study;
+}
+
+Result<model::ConfidenceTable> measure_speech_confidence(const speech::SpeechNetworkFile& network,
+                                                         const HeardPeople& people,
+                                                         const performer::Speaker& speaker,
+                                                         const Progress& progress) {
+  MIEN_TRY_ASSIGN(const std::vector<HeardPassage> heard, listen_to(network, people, speaker, progress));
+  synthetic::ConfidenceFit fit;
+  for (const HeardPassage& passage : heard)
+    for (const std::vector<HeardFrame>& frames : passage) {
+      for (const HeardFrame& frame : frames)
+        for (std::size_t k = 0; k < face::kShapeCount; ++k)
+          if (speech::is_heard(k)) fit.add(k, frame.voice, frame.answer[k], frame.truth[k]);
+      fit.end_person();
+    }
+  model::ConfidenceTable table = fit.table();
+  table.people = synthetic::voices_for(people.voices).size();
+  table.seed = people.seed;
+  const tracker::ShapeConfidence confidence(table);
+  std::array<synthetic::LogisticFit, face::kShapeRegionCount> fits;
+  for (const HeardPassage& passage : heard)
+    for (const std::vector<HeardFrame>& frames : passage)
+      for (const HeardFrame& frame : frames) {
+        const auto scores = confidence.region_scores(coverage_of(frame), frame.answer);
+        const auto within = solve::regions_within(frame.answer, frame.truth);
+        for (const std::size_t r : {kMouth, kJaw}) fits[r].add(scores[r], within[r]);
+      }
+  model::RegionMaps& maps = table.regions.emplace();
+  for (const std::size_t r : {kMouth, kJaw}) maps[r] = fits[r].solve();
+  return table;
+}
+
+Result<std::vector<SpeechConfidenceRow>> study_speech_confidence(const speech::SpeechNetworkFile& network,
+                                                                 const HeardPeople& people,
+                                                                 const performer::Speaker& speaker,
+                                                                 const Progress& progress) {
+  std::vector<SpeechConfidenceRow> rows;
+  if (!network.confidence) return rows;
+  MIEN_TRY_ASSIGN(const std::vector<HeardPassage> heard, listen_to(network, people, speaker, progress));
+  const tracker::ShapeConfidence confidence(network.confidence);
+  for (std::size_t c = 0; c < kSoundConditions.size(); ++c) {
+    SpeechConfidenceRow& row = rows.emplace_back();
+    row.sound = kSoundConditions[c];
+    for (const HeardPassage& passage : heard)
+      for (const HeardFrame& frame : passage[c]) {
+        face::OutputFrame out;
+        out.weights = frame.answer;
+        confidence.write(coverage_of(frame), out);
+        const auto within = solve::regions_within(frame.answer, frame.truth);
+        row.mouth.add(out.region_confidence[kMouth], within[kMouth]);
+        row.jaw.add(out.region_confidence[kJaw], within[kJaw]);
+        ++row.frames;
+      }
+  }
+  return rows;
 }
 
 }  // namespace mien::lab

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
-#include "lab/trackers/time_line.h"
+#include "lab/columns.h"
+#include "lab/trackers/tracker_curves.h"
 #include "mien/core/time.h"
 
 namespace mien::lab {
@@ -201,10 +201,6 @@ struct FramePairs {
   std::vector<face::BlendshapeWeights> truth, estimate;
 };
 
-std::optional<double> mean_of(const std::optional<measure::MeanStd>& value) {
-  return value ? std::optional(value->mean) : std::nullopt;
-}
-
 /// Measures one tracker; what it does not tell is the truth's.
 class ScoreMaker {
  public:
@@ -219,7 +215,7 @@ class ScoreMaker {
     const measure::Stretch stretch{.truth = pairs.truth, .estimate = filled};
     measure::Metrics metrics = meter_.measure(std::span(&stretch, 1));
     if (pve_mm != nullptr) *pve_mm = std::move(metrics.pve_mm_curve);
-    return {metrics.pve_mm.mean, mean_of(metrics.pve_face_mm), mean_of(metrics.lmk_mm),
+    return {metrics.pve_mm.mean, optional_mean(metrics.pve_face_mm), optional_mean(metrics.lmk_mm),
             mean_square(pairs.truth, pairs.estimate, told_).value_or(0),
             mean_square(pairs.truth, pairs.estimate, comparison_.common)};
   }

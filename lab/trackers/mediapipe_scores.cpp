@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "lab/trackers/table_lines.h"
+#include "lab/trackers/tracker_curves.h"
 #include "mien/core/ascii.h"
 #include "mien/core/excerpt.h"
 

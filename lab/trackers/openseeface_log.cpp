@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "lab/trackers/table_lines.h"
+#include "lab/trackers/tracker_curves.h"
 #include "mien/core/ascii.h"
 #include "mien/core/bytes.h"
 #include "mien/core/excerpt.h"

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "lab/trackers/mediapipe_scores.h"
@@ -12,6 +14,7 @@
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/core/median.h"
+#include "mien/core/monotone_cubic.h"
 #include "mien/core/nearest_word.h"
 #include "mien/face/livelink_csv.h"
 #include "mien/face/profile_names.h"
@@ -63,6 +66,38 @@ bool names_column(std::string_view header, std::string_view column) {
 }
 
 }  // namespace
+
+std::string_view trimmed_cell(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r\"";
+  const std::size_t first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+std::string_view cut_line(std::string_view& text) {
+  const std::size_t at = text.find('\n');
+  const std::string_view line = text.substr(0, at);
+  text = at == std::string_view::npos ? std::string_view() : text.substr(at + 1);
+  return line;
+}
+
+std::optional<double> number_in(std::string_view cell) {
+  double value = 0;
+  const auto [end, code] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (code != std::errc{} || end != cell.data() + cell.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::vector<std::string_view> table_cells(std::string_view line) {
+  std::vector<std::string_view> cells;
+  while (cells.size() <= kMaxTableColumns) {
+    const std::size_t comma = line.find(',');
+    cells.push_back(trimmed_cell(line.substr(0, comma)));
+    if (comma == std::string_view::npos) break;
+    line = line.substr(comma + 1);
+  }
+  return cells;
+}
 
 double TrackerCurves::period_s() const {
   if (rows.size() < 2) return 0;
@@ -203,6 +238,65 @@ Result<TrackerCurves> read_tracker_curves(const std::filesystem::path& path) {
     return fail(ErrorCode::out_of_range, fmt::format("its rows are {:.3g} s apart", curves.period_s()),
                 path.string(), "give seconds in a column time_s, or milliseconds in one called timestamp_ms");
   return curves;
+}
+
+TimeLine::TimeLine(const TrackerCurves& curves) {
+  const double period_s = curves.period_s();
+  reach_s_ = 0.5 * period_s;
+  const double longest_s = kGapPeriods * period_s;
+  std::size_t run = 0;
+  bool lost = false;
+  double last_s = curves.first_s();
+  for (const TrackerRow& row : curves.rows) {
+    // A little more than three periods is three: times are rounded to milliseconds.
+    if (row.time_s - last_s > longest_s + 0.1 * period_s) lost = true;
+    last_s = row.time_s;
+    if (!row.weights) {
+      lost = true;
+      continue;
+    }
+    if (lost && !time_s_.empty()) ++run;
+    lost = false;
+    time_s_.push_back(row.time_s);
+    value_.push_back(*row.weights);
+    run_.push_back(run);
+  }
+  slope_.resize(value_.size());
+  std::vector<float> value, slope;
+  for (std::size_t begin = 0, end = 0; begin < run_.size(); begin = end) {
+    while (end < run_.size() && run_[end] == run_[begin]) ++end;
+    const std::size_t count = end - begin;
+    value.resize(count);
+    slope.resize(count);
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      if (!curves.told[k]) continue;
+      for (std::size_t i = 0; i < count; ++i) value[i] = value_[begin + i][k];
+      monotone_slopes(std::span(time_s_).subspan(begin, count), value, slope);
+      for (std::size_t i = 0; i < count; ++i) slope_[begin + i][k] = slope[i];
+    }
+  }
+}
+
+std::optional<face::BlendshapeWeights> TimeLine::at(double time_s) const {
+  const auto above = static_cast<std::size_t>(std::ranges::upper_bound(time_s_, time_s) - time_s_.begin());
+  const bool has_below = above > 0, has_above = above < time_s_.size();
+  if (has_below && has_above && run_[above - 1] == run_[above]) {
+    const std::size_t below = above - 1;
+    face::BlendshapeWeights out;
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      out[k] = hermite(time_s_[below], value_[below][k], slope_[below][k], time_s_[above], value_[above][k],
+                       slope_[above][k], time_s);
+    return out;
+  }
+  if (has_below && time_s - time_s_[above - 1] <= reach_s_) return value_[above - 1];
+  if (has_above && time_s_[above] - time_s <= reach_s_) return value_[above];
+  return std::nullopt;
+}
+
+face::BlendshapeWeights TimeLine::held_at(double time_s) const {
+  if (const auto seen = at(time_s)) return *seen;
+  const auto above = static_cast<std::size_t>(std::ranges::upper_bound(time_s_, time_s) - time_s_.begin());
+  return above > 0 ? value_[above - 1] : face::BlendshapeWeights{};
 }
 
 }  // namespace mien::lab

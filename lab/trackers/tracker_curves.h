@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <bitset>
 #include <cstddef>
 #include <filesystem>
@@ -17,6 +16,18 @@
 
 // What a face tracker told of a face, whichever it is (docs/reference/tracker_curves.md).
 namespace mien::lab {
+
+/// Columns of a tracker's table, at most; no more cells of a line are looked at.
+inline constexpr std::size_t kMaxTableColumns = 1024;
+
+/// Without blanks and quotes around it.
+[[nodiscard]] std::string_view trimmed_cell(std::string_view text);
+/// Cuts the first line from the text; a carriage return at its end stays.
+[[nodiscard]] std::string_view cut_line(std::string_view& text);
+/// What stands between commas, trimmed: of a line with more than kMaxTableColumns columns one cell more.
+[[nodiscard]] std::vector<std::string_view> table_cells(std::string_view line);
+/// The whole cell as a number; nothing where it is none, or not finite.
+[[nodiscard]] std::optional<double> number_in(std::string_view cell);
 
 /// Which of the 53 shapes a tracker tells at all; the others are never held against it.
 using ToldShapes = std::bitset<face::kShapeCount>;
@@ -95,5 +106,30 @@ enum class CurvesFormat : std::uint8_t {
 /// The same of a file, named after it. Errors: not_found, io, bad_usage (a take, a folder), out_of_range
 /// (more than 1 GiB); those of parse_tracker_curves(); not_found where the face is lost in every row.
 [[nodiscard]] Result<TrackerCurves> read_tracker_curves(const std::filesystem::path& path);
+
+/// So many periods without a row are a gap, as if the face had been lost: a single frame that was dropped is
+/// not (docs/reference/tracker_curves.md, "Gaps").
+inline constexpr double kGapPeriods = 3;
+
+/// A tracker's curves at any time: between rows by the monotone cubic, never across a gap.
+class TimeLine {
+ public:
+  /// Copies what it needs.
+  explicit TimeLine(const TrackerCurves& curves);
+
+  /// What the tracker tells at that time; none in a gap. Half a period before a run's first row and after its
+  /// last that row still counts, so that gaps are as long as the rows that are missing.
+  [[nodiscard]] std::optional<face::BlendshapeWeights> at(double time_s) const;
+  /// What an avatar shows at that time: in a gap the last row before it, before all rows the neutral face.
+  [[nodiscard]] face::BlendshapeWeights held_at(double time_s) const;
+
+ private:
+  double reach_s_ = 0;  // Half a period.
+  // Of the rows with a face: which run each belongs to, that is, has no gap before it.
+  std::vector<double> time_s_;
+  std::vector<face::BlendshapeWeights> value_;
+  std::vector<face::BlendshapeWeights> slope_;  // A second.
+  std::vector<std::size_t> run_;
+};
 
 }  // namespace mien::lab

@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
+
+#include "lab/moments.h"
 
 namespace mien::lab {
 namespace {
@@ -170,26 +174,29 @@ std::string moment_caption(const TrackersRow& row, const std::string& reference)
       row.title, row.moment->worst, row.moment->worst_s, row.moment->pve_mm, above, who);
 }
 
-}  // namespace
+constexpr int kStripCell_px = 160;
+constexpr std::array<double, 3> kStripTimes_s = {-0.33, 0, 0.33};
 
-std::string modelled_notice() {
-  return "Modelled, not measured: no camera looked at anybody here. The camera trackers are models, made of "
-         "what is published of each and of assumptions where nothing is; the numbers that matter most stand "
-         "below with their sources. Their delays have a camera's exposure and a webcam's buffer in them, "
-         "ours no radio. Ours is measured on simulated sensors that are worn by virtual performers. What "
-         "these figures say is where trackers of each kind must fail and what that costs; how large their "
-         "errors are on real faces only recordings tell (mien study trackers --truth FILE --curves "
-         "NAME=FILE).";
+/// Printable ASCII, as strips are lettered.
+std::string letters_of(std::string name) {
+  std::ranges::replace_if(
+      name, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return name;
 }
 
-std::vector<std::string> offset_notices(const TrackersStudy& study) {
-  std::vector<std::string> out;
-  for (const std::string& name : study.offset_unknown)
-    out.push_back(fmt::format(
-        "{}: how much earlier or later it began than the truth was not found (not within --search, or too "
-        "little agrees), so its errors over all frames are left out; its PVE seen has that offset in it.",
-        name));
-  return out;
+std::size_t nearest_frame(const std::vector<double>& time_s, double sought_s) {
+  const auto nearest = std::ranges::min_element(
+      time_s, {}, [sought_s](double frame_s) { return std::abs(frame_s - sought_s); });
+  return static_cast<std::size_t>(nearest - time_s.begin());
+}
+
+measure::Table sources_table(const ModelledTracker& tracker) {
+  measure::Table table;
+  table.caption = tracker.name + ": where its numbers come from";
+  table.columns = {"number", "value", "source"};
+  for (const ModelledNumber& number : tracker.numbers)
+    table.rows.push_back({number.what, number.value, number.source});
+  return table;
 }
 
 std::string trackers_legend(const TrackersStudy& study) {
@@ -212,6 +219,28 @@ std::string trackers_legend(const TrackersStudy& study) {
         study.reference);
   if (!of_recordings(study)) out += " Behind ±: half of the 95 % interval over performers (Student's t).";
   return out + " All else: docs/reference/tracker_curves.md.";
+}
+
+std::vector<std::string> offset_notices(const TrackersStudy& study) {
+  std::vector<std::string> out;
+  for (const std::string& name : study.offset_unknown)
+    out.push_back(fmt::format(
+        "{}: how much earlier or later it began than the truth was not found (not within --search, or too "
+        "little agrees), so its errors over all frames are left out; its PVE seen has that offset in it.",
+        name));
+  return out;
+}
+
+}  // namespace
+
+std::string modelled_notice() {
+  return "Modelled, not measured: no camera looked at anybody here. The camera trackers are models, made of "
+         "what is published of each and of assumptions where nothing is; the numbers that matter most stand "
+         "below with their sources. Their delays have a camera's exposure and a webcam's buffer in them, "
+         "ours no radio. Ours is measured on simulated sensors that are worn by virtual performers. What "
+         "these figures say is where trackers of each kind must fail and what that costs; how large their "
+         "errors are on real faces only recordings tell (mien study trackers --truth FILE --curves "
+         "NAME=FILE).";
 }
 
 measure::Table trackers_table(const TrackersStudy& study) {
@@ -262,15 +291,6 @@ measure::Table lag_table(const TrackersStudy& study) {
   return table;
 }
 
-measure::Table sources_table(const ModelledTracker& tracker) {
-  measure::Table table;
-  table.caption = tracker.name + ": where its numbers come from";
-  table.columns = {"number", "value", "source"};
-  for (const ModelledNumber& number : tracker.numbers)
-    table.rows.push_back({number.what, number.value, number.source});
-  return table;
-}
-
 Result<measure::Report> trackers_report(const TrackersStudy& study, const std::string& subtitle,
                                         std::span<const TrackerPicture> pictures) {
   measure::Report report(
@@ -301,6 +321,31 @@ Result<measure::Report> trackers_report(const TrackersStudy& study, const std::s
     for (const ModelledTracker& tracker : modelled_trackers()) report.table(sources_table(tracker));
   }
   return report;
+}
+
+Result<TrackerPicture> tracker_picture(const face::Face& face, const TrackersRow& row) {
+  TrackerPicture out{.row = row.key, .strip = {}, .caption = {}};
+  if (!row.moment || row.moment->time_s.empty()) return out;
+  const TrackerMoment& moment = *row.moment;
+  std::vector<std::size_t> frames;
+  std::vector<std::string> captions;
+  for (const double aside_s : kStripTimes_s) {
+    frames.push_back(nearest_frame(moment.time_s, moment.worst_s + aside_s));
+    captions.push_back(fmt::format("{:.2f} s", moment.time_s[frames.back()]));
+  }
+  std::vector<MomentRow> rows;
+  MomentRow& truth = rows.emplace_back();
+  truth.name = "truth";
+  for (const std::size_t f : frames) truth.weights.emplace_back(moment.truth[f]);
+  for (const TrackerMoment::Line& line : moment.lines) {
+    MomentRow& shown = rows.emplace_back();
+    shown.name = letters_of(line.name);
+    for (const std::size_t f : frames)
+      shown.weights.push_back(line.saw[f] ? std::optional(line.shown[f]) : std::nullopt);
+  }
+  MIEN_TRY_ASSIGN(out.strip, moments_strip(face, rows, captions, kStripCell_px));
+  out.caption = fmt::format("{}: the worst moment. Pale: the tracker saw no face.", row.title);
+  return out;
 }
 
 }  // namespace mien::lab

@@ -3,10 +3,10 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
-#include "lab/trackers/modelled_tracker.h"
-#include "lab/trackers/tracker_figures.h"
+#include "lab/trackers/trackers_study.h"
+#include "mien/core/error.h"
+#include "mien/face/face.h"
 #include "mien/measure/report.h"
 #include "mien/render/image.h"
 
@@ -24,20 +24,19 @@ struct TrackerPicture {
 [[nodiscard]] measure::Table trackers_table(const TrackersStudy& study);
 /// How late each tracker is, and how sure that is.
 [[nodiscard]] measure::Table lag_table(const TrackersStudy& study);
-/// Where the numbers of the modelled trackers come from.
-[[nodiscard]] measure::Table sources_table(const ModelledTracker& tracker);
 
-/// How to read the tables.
-[[nodiscard]] std::string trackers_legend(const TrackersStudy& study);
 /// "Modelled, not measured": what stands on every page of modelled trackers.
 [[nodiscard]] std::string modelled_notice();
-/// A sentence on each recording whose offset was not found.
-[[nodiscard]] std::vector<std::string> offset_notices(const TrackersStudy& study);
 
 /// The whole on one page: key figures, errors and gaps by condition, the curves around the worst moment of
 /// each row, lags, pictures where there are any, and of modelled trackers where each number comes from.
 /// Errors: those of render::encode_png.
 [[nodiscard]] Result<measure::Report> trackers_report(const TrackersStudy& study, const std::string& subtitle,
                                                       std::span<const TrackerPicture> pictures = {});
+
+/// A row's worst moment, seen from the front: the truth and what each tracker showed, a third of a second
+/// before, then, and after; where a tracker saw no face a pale cell. On `face`, whoever performed. Without a
+/// strip where the row has no moment. Errors: those of moments_strip().
+[[nodiscard]] Result<TrackerPicture> tracker_picture(const face::Face& face, const TrackersRow& row);
 
 }  // namespace mien::lab

@@ -75,6 +75,25 @@ std::size_t width_of(const std::string& words) {
       std::ranges::count_if(words, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
+/// Of a line of plain text.
+constexpr std::size_t kTextWidth = 110;
+
+/// A paragraph in lines of plain text, which break between words.
+std::string wrapped(const std::string& paragraph) {
+  std::string out, line;
+  for (std::size_t begin = 0; begin < paragraph.size();) {
+    const std::size_t end = std::min(paragraph.find(' ', begin), paragraph.size());
+    const std::string word = paragraph.substr(begin, end - begin);
+    begin = end + 1;
+    if (!line.empty() && width_of(line) + 1 + width_of(word) > kTextWidth) {
+      out += line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return out + line + "\n";
+}
+
 /// Cells of more characters need room beside numbers, however narrow the page is.
 constexpr std::size_t kWidthOfSentences = 40;
 
@@ -104,21 +123,28 @@ std::string plain_text(const Table& table) {
   for (const auto& row : table.rows)
     for (std::size_t c = 0; row.size() > 1 && c < widths.size() && c < row.size(); ++c)
       widths[c] = std::max(widths[c], width_of(row[c]));
-  std::string out = table.caption.empty() ? "" : table.caption + "\n\n";
-  const auto line = [&](const std::vector<std::string>& cells) {
-    std::string words;
-    for (std::size_t c = 0; c < widths.size() && c < cells.size(); ++c) {
-      const std::string blanks(widths[c] - std::min(widths[c], width_of(cells[c])), ' ');
-      words += (c > 0 ? "  " : "") + (numbers[c] ? blanks + cells[c] : cells[c] + blanks);
+  std::string out = table.caption.empty() ? "" : wrapped(table.caption) + "\n";
+  for (std::size_t begin = 1, end = 1; begin == 1 || begin < widths.size(); begin = end) {
+    for (std::size_t width = widths.empty() ? 0 : widths[0];
+         end < widths.size() && (end == begin || width + 2 + widths[end] <= kTextWidth); ++end)
+      width += 2 + widths[end];
+    if (begin > 1) out += "\n";
+    const auto line = [&](const std::vector<std::string>& cells) {
+      std::string words;
+      for (std::size_t c = 0; c < std::min({end, cells.size(), widths.size()}); c = c == 0 ? begin : c + 1) {
+        const std::string blanks(widths[c] - std::min(widths[c], width_of(cells[c])), ' ');
+        words += (c > 0 ? "  " : "") + (numbers[c] ? blanks + cells[c] : cells[c] + blanks);
+      }
+      words.erase(words.find_last_not_of(' ') + 1);
+      out += width_of(words) > kTextWidth ? wrapped(words) : words + "\n";
+    };
+    line(table.columns);
+    for (std::size_t r = 0; r < table.rows.size(); ++r) {
+      const bool heads = table.rows[r].size() == 1 && table.columns.size() > 1;
+      if (heads && std::ranges::find(table.strong_rows, r) != table.strong_rows.end()) out += "\n";
+      line(table.rows[r]);
     }
-    words.erase(words.find_last_not_of(' ') + 1);
-    out += words + "\n";
-  };
-  line(table.columns);
-  for (std::size_t r = 0; r < table.rows.size(); ++r) {
-    const bool heads = table.rows[r].size() == 1 && table.columns.size() > 1;
-    if (heads && std::ranges::find(table.strong_rows, r) != table.strong_rows.end()) out += "\n";
-    line(table.rows[r]);
+    if (end == begin) break;  // A table of one column.
   }
   return out;
 }
@@ -128,10 +154,12 @@ Report::Report(std::string title, std::string subtitle)
 
 void Report::heading(const std::string& words) {
   body_ += "<h2>" + escaped(words) + "</h2>\n";
+  text_ += "\n" + words + "\n" + std::string(width_of(words), '-') + "\n\n";
 }
 
 void Report::text(const std::string& paragraph) {
   body_ += "<p>" + escaped(paragraph) + "</p>\n";
+  text_ += wrapped(paragraph) + "\n";
 }
 
 void Report::key_figures(const std::vector<KeyFigure>& figures) {
@@ -140,8 +168,10 @@ void Report::key_figures(const std::vector<KeyFigure>& figures) {
     body_ += "<div class=\"key\"><span>" + escaped(f.name) + "</span><b>" + escaped(f.value) + "</b>";
     if (!f.note.empty()) body_ += "<span>" + escaped(f.note) + "</span>";
     body_ += "</div>\n";
+    text_ += wrapped(f.name + ": " + f.value + (f.note.empty() ? "" : " (" + f.note + ")"));
   }
   body_ += "</div>\n";
+  text_ += "\n";
 }
 
 void Report::table(const Table& table) {
@@ -168,6 +198,7 @@ void Report::table(const Table& table) {
     body_ += "</tr>\n";
   }
   body_ += "</tbody></table></div></figure>\n";
+  text_ += measure::plain_text(table) + "\n";
 }
 
 void Report::figure(const std::string& title, const std::vector<std::string>& series,
@@ -214,6 +245,10 @@ std::string Report::html() const {
   page += body_ + "</main>\n";
   if (has_line_plot_) page += "<script>" + std::string(kZoomScript) + "</script>\n";
   return page + "</body>\n</html>\n";
+}
+
+std::string Report::plain_text() const {
+  return wrapped(title_ + (subtitle_.empty() ? "" : ": " + subtitle_)) + "\n" + text_;
 }
 
 Result<void> Report::write(const std::filesystem::path& path) const {

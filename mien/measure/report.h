@@ -20,8 +20,9 @@ struct Table {
   std::vector<std::size_t> strong_rows;  ///< Rows that the reader should see first.
 };
 
-/// The same for a terminal: columns as wide as their widest cell, numbers to the right; a strong row has an
-/// empty line before it.
+/// The same for a terminal: columns as wide as their widest cell, numbers to the right; a strong row of one
+/// cell has an empty line before it. Columns that do not fit into 110 characters follow below, beside the
+/// first column again.
 [[nodiscard]] std::string plain_text(const Table& table);
 
 /// One number that matters, shown large.
@@ -52,6 +53,9 @@ class Report {
 
   /// The whole page.
   [[nodiscard]] std::string html() const;
+  /// The same for a terminal, without plots, pictures and films: lines of at most 110 characters where words
+  /// allow it.
+  [[nodiscard]] std::string plain_text() const;
   /// Writes it, whole or not at all. Errors: io.
   [[nodiscard]] Result<void> write(const std::filesystem::path& path) const;
 
@@ -60,7 +64,8 @@ class Report {
 
   std::string title_;
   std::string subtitle_;
-  std::string body_;
+  std::string body_;  // As HTML.
+  std::string text_;  // As plain text.
   bool has_line_plot_ = false;
 };
 

@@ -136,6 +136,33 @@ TEST(Report, StandsNumbersToTheRight) {
   EXPECT_NE(html.find("<tr class=\"strong\"><td>x"), std::string::npos);
 }
 
+TEST(Report, IsTheSameInPlainText) {
+  EXPECT_EQ(whole().plain_text(),
+            "A <title> & more: beneath\n\n"
+            "PVE: 0.75 mm (ridge 0.89)\n\n"
+            "\nOne\n---\n\n"
+            "a < b\n\n"
+            "Rows\n\n"
+            "name  value\n"
+            "x       1.5\n"
+            "y     2 \xC2\xB1 1\n\n");
+}
+
+TEST(Report, KeepsPlainTextWithinALine) {
+  Table table{.caption = "", .columns = {"name"}, .rows = {{"a head"}, {"one"}}, .strong_rows = {}};
+  for (int i = 0; i < 4; ++i) {
+    table.columns.push_back("column " + std::to_string(i));
+    table.rows[1].push_back(std::string(30, static_cast<char>('a' + i)));
+  }
+  const std::string a(30, 'a'), b(30, 'b'), c(30, 'c'), d(30, 'd');
+  EXPECT_EQ(plain_text(table), "name  column 0" + std::string(24, ' ') + "column 1" + std::string(24, ' ') +
+                                   "column 2\n" + "a head\none   " + a + "  " + b + "  " + c +
+                                   "\n\nname  column 3\na head\none   " + d + "\n");
+  Report report("t");
+  report.text("word " + std::string(104, 'x') + " y");
+  EXPECT_EQ(report.plain_text(), "t\n\nword " + std::string(104, 'x') + "\ny\n\n");
+}
+
 TEST(Report, ADashStandsAmongNumbers) {
   Report report("Title", "");
   report.table({.columns = {"name", "change"}, .rows = {{"a set", "+1.2 ± 0.3 %"}, {"none", "–"}}});

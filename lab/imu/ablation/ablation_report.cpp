@@ -1,11 +1,10 @@
-#include "lab/imu/ablation/ablation_report.h"
-
 #include <fmt/format.h>
 
 #include <array>
 #include <utility>
 #include <vector>
 
+#include "lab/imu/ablation/ablation_study.h"
 #include "lab/moments.h"
 #include "mien/builtin_face/builtin_face.h"
 
@@ -100,20 +99,6 @@ std::vector<measure::LinePlot> curve_plots(const AblationStudy& study) {
   return plots;
 }
 
-}  // namespace
-
-std::optional<Interval> change_of(const AblationStudy& study, const AblationResult& row, TestSet set,
-                                  SeedFigures SeedErrors::*measure) {
-  // Of those who are trained on, rows with fewer people have others.
-  const bool others = set == TestSet::seen && row.row.one_in > 1;
-  if (&row == study.rows.data() || row.row.group == kShippedGroup || others) return std::nullopt;
-  const SeedFigures figures = figures_of(row, set, measure),
-                    base = figures_of(study.rows.front(), set, measure);
-  if (figures.size() != base.size() || base.empty() || figures.front().size() != base.front().size())
-    return std::nullopt;
-  return change_interval(figures, base);
-}
-
 measure::Table ablation_table(const AblationStudy& study, TestSet set) {
   measure::Table table;
   table.caption = title_of(set);
@@ -177,6 +162,20 @@ std::string ablation_legend(const AblationStudy& study) {
       "all vertices between the captured face and the true one; MSE is of the 53 weights; jitter is the "
       "third difference of the landmarks over the truth's.",
       study.training_people, study.training_minutes, study.takes_are);
+}
+
+}  // namespace
+
+std::optional<Interval> change_of(const AblationStudy& study, const AblationResult& row, TestSet set,
+                                  SeedFigures SeedErrors::*measure) {
+  // Of those who are trained on, rows with fewer people have others.
+  const bool others = set == TestSet::seen && row.row.one_in > 1;
+  if (&row == study.rows.data() || row.row.group == kShippedGroup || others) return std::nullopt;
+  const SeedFigures figures = figures_of(row, set, measure),
+                    base = figures_of(study.rows.front(), set, measure);
+  if (figures.size() != base.size() || base.empty() || figures.front().size() != base.front().size())
+    return std::nullopt;
+  return change_interval(figures, base);
 }
 
 Result<measure::Report> ablation_report(const AblationStudy& study, const std::string& subtitle) {

@@ -3,18 +3,90 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <filesystem>
 #include <iterator>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
-#include "lab/imu/filmed_wearer.h"
+#include "mien/core/error.h"
 #include "mien/dataset/recorded_take.h"
+#include "mien/face/motion.h"
+#include "mien/model/features.h"
+#include "mien/sensor/rig.h"
+#include "mien/solve/phone_truth.h"
+#include "mien/solve/trace_features.h"
 #include "mien/synthetic/shifted_person.h"
 #include "mien/virtual/performance.h"
 #include "mien/virtual/performers.h"
+#include "mien/virtual/phone/phone_faults.h"
+#include "mien/virtual/phone/worn_phone.h"
+#include "mien/virtual/reception.h"
+#include "mien/virtual/session.h"
+#include "mien/virtual/stage.h"
+#include "mien/virtual/virtual_clock.h"
 
 namespace mien::lab {
 namespace {
+
+/// Who wears IMUs, and what looks on.
+struct WearerRequest {
+  face::Motion motion;
+  std::string face = "builtin";    ///< As builtin_face::load_face takes it.
+  std::filesystem::path rig;       ///< Its file.
+  std::string devices = "device";  ///< As virt::StageRequest has it, and so are these two.
+  double unlike = 0;
+  std::uint64_t seed = 1;
+  std::optional<virt::PhoneFaults> phone;  ///< None: no phone looks on.
+};
+
+/// A performance, with a phone beside it or without, as a session received it.
+struct FilmedWearer {
+  sensor::Rig rig;
+  virt::VirtualSession session;
+  std::vector<model::FeatureFrame> features;  ///< One a tick of the session.
+  virt::VirtualClock reference, phone;
+  double phone_lag_s = 0;  ///< How much older the face is that the phone tells than its frame says.
+};
+
+/// The same request gives the same bits. Errors: those of the stage and the devices.
+Result<FilmedWearer> film_wearer(const WearerRequest& request) {
+  virt::StageRequest asked;
+  asked.motion = request.motion;
+  asked.script_name = request.motion.name;
+  asked.face = request.face;
+  asked.rig = request.rig;
+  asked.devices = request.devices;
+  asked.unlike = request.unlike;
+  asked.seed = request.seed;
+  asked.phone = request.phone.has_value();
+  asked.phone_faults = request.phone;
+  MIEN_TRY_ASSIGN(virt::Stage stage, virt::set_stage(asked));
+  FilmedWearer filmed;
+  MIEN_TRY_ASSIGN(virt::Sent sent, stage.worn->send(stage, no_progress));
+  filmed.reference = sent.reference;
+  if (request.phone) {
+    const virt::PhoneSimulator shown = virt::phone_before(stage, *request.phone);
+    filmed.phone = shown.clock();
+    filmed.phone_lag_s = shown.lag_s();
+  }
+  MIEN_TRY_ASSIGN(filmed.session, virt::receive_all(std::move(sent), stage.motion, stage.rig));
+  filmed.rig = std::move(stage.rig);
+  const virt::VirtualSession& session = filmed.session;
+  MIEN_TRY_ASSIGN(filmed.features,
+                  solve::trace_features(filmed.rig, session.events, session.entries, session.ticks));
+  return filmed;
+}
+
+/// What the phone told, aligned by what the sensors felt: the true times are not asked. Errors: phone_track's
+/// and phone_truth's.
+Result<solve::PhoneTruth> truth_of(const FilmedWearer& filmed) {
+  MIEN_TRY_ASSIGN(const solve::PhoneTrack track,
+                  solve::phone_track(filmed.rig, filmed.session.samples, filmed.features.front().time));
+  return solve::phone_truth(filmed.session.events, filmed.features, track);
+}
 
 /// Of the built-in family; far from those that other studies draw.
 constexpr std::uint64_t kFirstFace = 70'000;

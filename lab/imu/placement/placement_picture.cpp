@@ -1,13 +1,11 @@
-#include "lab/imu/placement/placement_picture.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "lab/imu/placement/placement_bound.h"
+#include "lab/imu/placement/placement_study.h"
 #include "lab/spread_on_skin.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/render/camera.h"

@@ -1,5 +1,3 @@
-#include "lab/imu/placement/placement_report.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -7,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "lab/imu/placement/placement_study.h"
 #include "mien/core/units.h"
 
 namespace mien::lab {
@@ -119,8 +118,6 @@ Result<void> add_placement_image(measure::Report& report, const render::Image& i
   return {};
 }
 
-}  // namespace
-
 measure::Table placement_sets_table(const PlacementStudy& study) {
   measure::Table table;
   table.caption =
@@ -223,31 +220,6 @@ std::string placement_paper_words(const PlacementStudy& study) {
          "an order of four or five says little.";
 }
 
-measure::Table placement_trained_table(const PlacementStudy& study, const PlacementTrainingRequest& request) {
-  measure::Table table;
-  table.caption = fmt::format(
-      "Networks with the same budget (trainings a set: {}; steps of each: {}; virtual performers: {}), on {} "
-      "people whom nobody trained on: mean, 95 % interval",
-      request.seeds, request.steps, request.data.performers, request.test_people);
-  table.columns = {"", "sensors", "PVE device, mm", "MSE device", "PVE lab, mm", "MSE lab"};
-  for (const TrainedPlacement& row : study.trained)
-    table.rows.push_back({row.title, fmt::format("{}", row.sensors), interval_text(row.device.pve_mm, 3),
-                          interval_text(row.device.mse, 4), interval_text(row.lab.pve_mm, 3),
-                          interval_text(row.lab.mse, 4)});
-  return table;
-}
-
-std::vector<std::string> placement_verdicts(const PlacementStudy& study, const PlacementRequest& request) {
-  std::vector<std::string> words;
-  if (request.quick && !study.contests.empty()) {
-    words.emplace_back("Trainings so short and people so few show that it works, and compare nothing.");
-  } else {
-    for (const PlacementContest& one : study.contests) words.push_back(one.verdict());
-  }
-  if (!study.not_trained.empty()) words.push_back(study.not_trained);
-  return words;
-}
-
 std::string placement_legend(const PlacementRequest& request) {
   return fmt::format(
       "The bound is what one frame of orientations tells at best by a linear map: noise of {:.2g} degrees an "
@@ -283,21 +255,31 @@ std::vector<std::string> placement_remarks(const PlacementStudy& study) {
   return words;
 }
 
-std::string placement_text(const PlacementStudy& study, const PlacementRequest& request) {
-  std::string out;
-  for (const std::string& sentence : placement_remarks(study)) out += sentence + "\n\n";
-  out += plain_text(placement_sets_table(study)) + "\n" + plain_text(placement_sites_table(study)) + "\n" +
-         plain_text(misplacement_table(kChosenSet, study.misplaced)) + "\n" +
-         plain_text(misplacement_table(kPaperSet, study.misplaced_paper)) + "\n" +
-         plain_text(placement_candidates_table(study)) + "\n" + plain_text(placement_paper_table(study)) +
-         "\n" + placement_paper_words(study) + "\n\n";
-  if (!study.trained.empty()) out += plain_text(placement_trained_table(study, request.training)) + "\n";
-  const std::vector<std::string> verdicts = placement_verdicts(study, request);
-  for (const std::string& sentence : verdicts) out += sentence + "\n";
-  if (!verdicts.empty()) out += "\n";
-  out += fmt::format("Left and right differ by {:.1f} % of the most that a site tells, on average.\n\n",
-                     100 * study.left_right);
-  return out + placement_legend(request) + "\n";
+}  // namespace
+
+measure::Table placement_trained_table(const PlacementStudy& study, const PlacementTrainingRequest& request) {
+  measure::Table table;
+  table.caption = fmt::format(
+      "Networks with the same budget (trainings a set: {}; steps of each: {}; virtual performers: {}), on {} "
+      "people whom nobody trained on: mean, 95 % interval",
+      request.seeds, request.steps, request.data.performers, request.test_people);
+  table.columns = {"", "sensors", "PVE device, mm", "MSE device", "PVE lab, mm", "MSE lab"};
+  for (const TrainedPlacement& row : study.trained)
+    table.rows.push_back({row.title, fmt::format("{}", row.sensors), interval_text(row.device.pve_mm, 3),
+                          interval_text(row.device.mse, 4), interval_text(row.lab.pve_mm, 3),
+                          interval_text(row.lab.mse, 4)});
+  return table;
+}
+
+std::vector<std::string> placement_verdicts(const PlacementStudy& study, const PlacementRequest& request) {
+  std::vector<std::string> words;
+  if (request.quick && !study.contests.empty()) {
+    words.emplace_back("Trainings so short and people so few show that it works, and compare nothing.");
+  } else {
+    for (const PlacementContest& one : study.contests) words.push_back(one.verdict());
+  }
+  if (!study.not_trained.empty()) words.push_back(study.not_trained);
+  return words;
 }
 
 Result<measure::Report> placement_report(const PlacementStudy& study, const PlacementRequest& request,
@@ -341,6 +323,8 @@ Result<measure::Report> placement_report(const PlacementStudy& study, const Plac
   report.text(placement_paper_words(study));
   report.heading("Candidates");
   report.table(placement_candidates_table(study));
+  report.text(fmt::format("Left and right differ by {:.1f} % of the most that a site tells, on average.",
+                          100 * study.left_right));
   report.text(placement_legend(request));
   return report;
 }

@@ -1,25 +1,111 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "lab/imu/placement/misplacement.h"
 #include "lab/imu/placement/paper_sites.h"
 #include "lab/imu/placement/placement_bound.h"
-#include "lab/imu/placement/placement_picture.h"
-#include "lab/imu/placement/placement_training.h"
 #include "lab/imu/sensor_bound.h"
+#include "lab/imu/short_training.h"
+#include "lab/interval.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
+#include "mien/core/rotation.h"
 #include "mien/face/face.h"
-#include "mien/measure/metrics.h"
+#include "mien/measure/report.h"
+#include "mien/render/image.h"
 #include "mien/sensor/rig.h"
 #include "mien/virtual/imu/skin_motion.h"
 
 namespace mien::lab {
+
+/// A sensor on a picture: a white dot with its number.
+struct PlacementDot {
+  Vec3 position_m = Vec3::Zero();  ///< Built-in head, frame H.
+  std::size_t number = 1;
+};
+
+/// What one more sensor would tell at each place, and who is there already.
+struct PlacementField {
+  std::string title;         ///< Printable ASCII.
+  std::vector<double> told;  ///< Share beside the places, 0 to 1.
+  std::vector<PlacementDot> dots;
+};
+
+/// What a sensor at each place tells most of.
+struct PlacementGroups {
+  std::vector<std::size_t> group;  ///< In kShapeGroups, beside the places.
+  std::vector<double> strength;    ///< 0 (pale) to 1.
+};
+
+/// The pictures of `mien study placement`. Places where no candidate is near (lids, lips, hair) keep pale.
+struct PlacementPictures {
+  render::Image alone;                           ///< The first field, from the front and at three quarters.
+  render::Image groups;                          ///< The same of what is told most, in five colours.
+  render::Image sets;                            ///< The other fields, four in a row, each to its own scale.
+  [[nodiscard]] render::Image together() const;  ///< One below the other.
+};
+
+struct PlacementPictureRequest {
+  int height_px = 640;       ///< Of the large pictures.
+  double spacing_m = 0.008;  ///< Of the places: how far each reaches.
+};
+
+/// `places_m`: on the built-in head, frame H. `fields`: at least one. Errors: those of
+/// render::Lettering::load(). Cost: about ten seconds.
+[[nodiscard]] Result<PlacementPictures> placement_pictures(const std::vector<Vec3>& places_m,
+                                                           const std::vector<PlacementField>& fields,
+                                                           const PlacementGroups& groups,
+                                                           const PlacementPictureRequest& request);
+
+/// How sets of sensors are held against each other by what networks make of them.
+struct PlacementTrainingRequest {
+  std::uint64_t seed = 1;
+  std::size_t seeds = 3;    ///< Networks of each set, 1 or more.
+  std::size_t steps = 600;  ///< Of each network.
+  synthetic::DataRecipe data = short_data(1);
+  std::size_t test_people = 24;  ///< Whom nobody trained on, 2 or more.
+  double test_seconds = 24;      ///< Of each, in either profile.
+  unsigned threads = 0;          ///< 0: one a core.
+};
+
+/// A set of sensors as people would wear it, with its [skin].
+struct PlacementRig {
+  std::string name;  ///< In file names: lower case letters, digits, '-' and '_'.
+  std::string title;
+  sensor::Rig rig;
+};
+
+/// What networks of a set are off on people whom nobody trained on.
+struct TrainedPlacement {
+  std::string name, title;
+  std::size_t sensors = 0;
+  SeedErrors device, lab;  ///< In either profile.
+};
+
+/// Trains and tries each set. Every set has data of its own, which the same virtual people perform: what a
+/// sensor's heading is told by are the other sensors of *its* rig, so that sensors of one set cannot be taken
+/// out of the performances of a larger one. Errors: make_dataset's, `train`'s; cancelled.
+[[nodiscard]] Result<std::vector<TrainedPlacement>> train_placements(const PlacementTrainingRequest& request,
+                                                                     std::span<const PlacementRig> rigs,
+                                                                     const TrainShort& train,
+                                                                     const Progress& progress);
+
+/// Two sets of as many sensors: which is better, by the vertex error in *device*.
+struct PlacementContest {
+  std::string ours, paper;  ///< Titles.
+  Interval device, lab;     ///< Change of the vertex error from the paper's to ours, as a share.
+  Interval device_mse, lab_mse;
+  /// A sentence that names the better one with its interval, or says that neither is.
+  [[nodiscard]] std::string verdict() const;
+};
+
+[[nodiscard]] PlacementContest contest(const TrainedPlacement& ours, const TrainedPlacement& paper);
 
 struct PlacementRequest {
   std::uint64_t seed = 1;
@@ -87,5 +173,20 @@ struct PlacementStudy {
 /// The shapes that a sensor tells most of, largest reduction of the variance first: at most `most`, at least
 /// a tenth each. "jawOpen 62 %, ...".
 [[nodiscard]] std::string top_shapes(const PosteriorOverPrior& posterior, std::size_t most = 5);
+
+/// What networks of each set are off, and how large their trainings were; without rows where none was
+/// trained.
+[[nodiscard]] measure::Table placement_trained_table(const PlacementStudy& study,
+                                                     const PlacementTrainingRequest& request);
+
+/// What the trainings say, a sentence each: which set is better, or that trainings so small compare
+/// nothing; and which sets could not be trained. Empty where none was to be.
+[[nodiscard]] std::vector<std::string> placement_verdicts(const PlacementStudy& study,
+                                                          const PlacementRequest& request);
+
+/// The whole study on one page. Errors: those of the pictures' encoder.
+[[nodiscard]] Result<measure::Report> placement_report(const PlacementStudy& study,
+                                                       const PlacementRequest& request,
+                                                       const std::string& subtitle);
 
 }  // namespace mien::lab

@@ -1,4 +1,4 @@
-#include "lab/bench/attack_verdict.h"
+#include "lab/bench/attacked_session.h"
 
 #include <gmock/gmock.h>
 

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <thread>
 
-#include "lab/imu/part_rig.h"
+#include "lab/imu/short_training.h"
 #include "mien/sensor/rig.h"
 #include "tests/app/program.h"
 #include "tests/project_path.h"

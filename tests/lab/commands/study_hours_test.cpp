@@ -1,10 +1,8 @@
 // What `mien study hours` keeps of its runs.
 #include <gmock/gmock.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "tests/app/program.h"
 

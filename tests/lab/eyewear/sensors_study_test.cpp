@@ -1,7 +1,8 @@
 #include "lab/eyewear/sensors_study.h"
-#include "tests/project_path.h"
 
 #include <gtest/gtest.h>
+
+#include "tests/project_path.h"
 
 namespace mien::lab::sensors_study_test {
 namespace {

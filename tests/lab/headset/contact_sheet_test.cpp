@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "mien/virtual/headset/headset_simulator.h"
 #include "tests/project_path.h"
 

@@ -1,4 +1,4 @@
-#include "lab/imu/live_report.h"
+#include "lab/imu/live_study.h"
 
 #include <gmock/gmock.h>
 

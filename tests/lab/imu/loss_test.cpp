@@ -1,8 +1,11 @@
 #include "lab/imu/loss.h"
 
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <limits>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "mien/builtin_face/builtin_face.h"
@@ -181,6 +184,103 @@ TEST(LossStudy, KnowsItsPromises) {
   mistold.rows[2].mistold = 2;
   EXPECT_EQ(mistold.mistold(), 2U);
   EXPECT_FALSE(mistold.kept());
+}
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+LossRow measured_row(Fault fault, double amount, const std::string& sensor, double mse) {
+  LossRow out{.condition = {fault, amount, sensor}};
+  out.mse = mse;
+  out.rise = mse / 0.01 - 1;
+  return out;
+}
+
+LossStudy small() {
+  LossStudy out;
+  out.mean_pose_mse = 0.02;
+  out.rows = {measured_row(Fault::none, 0, {}, 0.01), measured_row(Fault::loss, 10, {}, 0.0111),
+              measured_row(Fault::bursts, 10, {}, 0.0123)};
+  return out;
+}
+
+TEST(LossReport, ShowsThePromisesTheCurveAndEveryRow) {
+  LossStudy study = small();
+  study.rows.push_back(measured_row(Fault::sensor_silent, 0, "chin", 0.0107));
+  const std::string html = loss_report(study, "who <performed>").html();
+  EXPECT_THAT(html, HasSubstr("who &lt;performed&gt;"));
+  EXPECT_THAT(html, HasSubstr("+11.0 %"));
+  EXPECT_THAT(html, HasSubstr("+25.0 % is promised"));
+  EXPECT_THAT(html, HasSubstr("Without chin, the worst to lose"));
+  EXPECT_THAT(html, HasSubstr("in bursts of ten packets"));
+  EXPECT_THAT(html, HasSubstr("Weight error without one sensor"));
+  for (const LossRow& one : study.rows) EXPECT_THAT(html, HasSubstr(one.condition.name()));
+}
+
+TEST(LossReport, LeavesOutWhatWasNotStudied) {
+  const std::string html = loss_report(small(), "").html();
+  EXPECT_THAT(html, Not(HasSubstr("the worst to lose")));
+  EXPECT_THAT(html, Not(HasSubstr("Weight error without one sensor")));
+}
+
+sensor::Rig whole_rig() {
+  return virt::test::three_sensors();
+}
+
+TEST(LossConditions, FitTheRigAndHaveNamesOfTheirOwn) {
+  const std::vector<LossCondition> conditions = loss_conditions(whole_rig());
+  std::set<std::string> names, silent;
+  for (const LossCondition& condition : conditions) {
+    EXPECT_FALSE(condition.name().empty());
+    names.insert(condition.name());
+    EXPECT_NE(condition.fault, Fault::none);
+    EXPECT_NE(condition.fault, Fault::sensors_silent) << "the rig has no more than two on the face";
+    if (condition.fault == Fault::sensor_silent) silent.insert(condition.sensor);
+  }
+  EXPECT_EQ(names.size(), conditions.size());
+  EXPECT_EQ(silent, (std::set<std::string>{"mentalis", "buccinator_L"}));
+}
+
+TEST(LossConditions, DrawWhatTheyDoNotName) {
+  const auto one = impairment({Fault::sensors_silent, 1, {}}, whole_rig(), 10, 20, Random(1));
+  const auto both = impairment({Fault::sensors_silent, 2, {}}, whole_rig(), 10, 20, Random(1));
+  ASSERT_TRUE(one && both);
+  ASSERT_EQ(one->troubles.silences.size(), 1U);
+  ASSERT_EQ(both->troubles.silences.size(), 2U);
+  EXPECT_EQ(both->troubles.silences[0].sensor, one->troubles.silences[0].sensor);
+  EXPECT_NE(both->troubles.silences[1].sensor, one->troubles.silences[0].sensor);
+  const auto restart = impairment({Fault::restart, 0, {}}, whole_rig(), 10, 20, Random(1));
+  ASSERT_TRUE(restart);
+  EXPECT_EQ(restart->troubles.restarts.at(0).at_s, 15);
+  const auto bursts = impairment({Fault::bursts, 10, {}}, whole_rig(), 10, 20, Random(1));
+  ASSERT_TRUE(bursts);
+  EXPECT_DOUBLE_EQ(bursts->network.burst_share, 0.1);
+}
+
+TEST(LossConditions, FreezeSilenceAndSpoil) {
+  const auto frozen = impairment({Fault::frozen, 1, {}}, whole_rig(), 10, 20, Random(1));
+  ASSERT_TRUE(frozen);
+  ASSERT_EQ(frozen->troubles.frozen.size(), 1U);
+  EXPECT_EQ(frozen->troubles.frozen[0].from_s, 10);
+  EXPECT_EQ(frozen->troubles.frozen[0].to_s, 20);
+  const auto silent = impairment({Fault::all_silent, 2, {}}, whole_rig(), 10, 20, Random(1));
+  ASSERT_TRUE(silent);
+  EXPECT_EQ(silent->troubles.silences.at(0).sensor, std::nullopt);
+  EXPECT_EQ(silent->troubles.silences[0].to_s, 17);
+  EXPECT_DOUBLE_EQ(impairment({Fault::corrupted, 5, {}}, whole_rig(), 10, 20, Random(1))->network.corrupted,
+                   0.05);
+  EXPECT_DOUBLE_EQ(impairment({Fault::truncated, 5, {}}, whole_rig(), 10, 20, Random(1))->network.truncated,
+                   0.05);
+}
+
+TEST(LossConditions, SayWhatTheRigLacks) {
+  for (const LossCondition& condition :
+       {LossCondition{Fault::sensor_silent, 0, "nose"}, LossCondition{Fault::sensors_silent, 3, {}},
+        LossCondition{Fault::frozen, 3, {}}}) {
+    const auto wrong = impairment(condition, whole_rig(), 0, 1, Random(1));
+    ASSERT_FALSE(wrong);
+    EXPECT_EQ(wrong.error().code, ErrorCode::not_found);
+  }
 }
 
 }  // namespace

@@ -3,11 +3,10 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
-#include "lab/trackers/time_line.h"
-#include "lab/trackers/tracker_figures.h"
+#include "lab/trackers/tracker_curves.h"
+#include "lab/trackers/trackers_study.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/core/random.h"
 

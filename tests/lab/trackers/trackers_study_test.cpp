@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "lab/trackers/tracker_strip.h"
 #include "lab/trackers/trackers_report.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "tests/tracker/tiny_model.h"
