@@ -85,9 +85,10 @@ TEST_F(CameraImport, MakesATakeThatIsSolvedAndReplayed) {
   const auto samples = take->samples().value();
   ASSERT_EQ(samples.size(), 190U);
   EXPECT_NEAR(to_seconds(samples.back().sample.time - samples.front().sample.time), 99 / 25.0, 1e-3);
-  // The picture is the one that was recorded, to the byte.
+  // The log begins with the calibration of the events. The picture is the one that was recorded, to the byte.
+  EXPECT_EQ(take->entries().value().front().source, "page");
   auto payloads = take->payloads().value();
-  const auto first = payloads.of(1).value();
+  const auto first = payloads.of(2).value();
   EXPECT_EQ(std::vector<std::byte>(first.bytes.begin(), first.bytes.end()), grey_jpeg(64, 48, 0));
 
   const Outcome info = run({"take", "info", folder / "a.mien"});
