@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "mien/session/prompt.h"
 
@@ -33,7 +34,8 @@ std::optional<Calibrate> performed_prologue(std::span<const take::Event> events)
     rests = rests || given.step == tracker::Step::neutral;
   }
   if (!rests) return std::nullopt;
-  std::ranges::stable_sort(command.steps, {}, &Calibrate::GivenStep::begin);
+  std::ranges::sort(command.steps, {},
+                    [](const Calibrate::GivenStep& given) { return std::pair(given.begin, given.end); });
   if (command.steps.size() > Calibrate::kMostSteps) command.steps.resize(Calibrate::kMostSteps);
   return command;
 }
