@@ -9,6 +9,7 @@
 
 #include "mien/core/excerpt.h"
 #include "mien/model/correction_json.h"
+#include "mien/take/layout.h"
 
 namespace mien::session {
 namespace {
@@ -137,9 +138,6 @@ Result<Shape> shape_of(const json& object) {
 /// By the numbers of Calibrate::Kind.
 constexpr std::array<std::string_view, 4> kCalibrationKinds = {"short", "full", "wearer", "gaze"};
 
-/// As far from 0 as a take's times may lie, ns.
-constexpr std::int64_t kFarthestNs = std::int64_t{1} << 58U;
-
 json write_step(const Calibrate::GivenStep& given) {
   json out = {{"step", given.range             ? "range"
                        : given.look != nullptr ? "gaze"
@@ -161,10 +159,10 @@ Result<Calibrate::GivenStep> step_of(const json& object) {
   const auto time = [&object](const char* key) -> std::optional<DeviceTime> {
     const auto found = object.find(key);
     if (found == object.end() || !found->is_number_integer()) return std::nullopt;
-    if (found->is_number_unsigned() && found->get<std::uint64_t>() > std::uint64_t{kFarthestNs})
+    if (found->is_number_unsigned() && found->get<std::uint64_t>() > std::uint64_t{take::kMaxTimeNs})
       return std::nullopt;
     const auto ns = found->get<std::int64_t>();
-    return ns < -kFarthestNs ? std::nullopt : std::optional(DeviceTime(Duration(ns)));
+    return ns < -take::kMaxTimeNs ? std::nullopt : std::optional(DeviceTime(Duration(ns)));
   };
   const auto begin = time("begin_ns"), end = time("end_ns");
   if (!begin || !end || *end <= *begin)

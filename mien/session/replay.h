@@ -10,7 +10,7 @@
 
 namespace mien::session {
 
-/// Hears of each frame of a replay; false ends it.
+/// Called with each frame of a replay; false ends the replay.
 using Seen = std::function<bool(const take::Tick&, const face::OutputFrame&)>;
 
 /// Plays a take's log through a fresh session, as fast as it goes: every entry and every tick in the order in

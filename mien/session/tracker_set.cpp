@@ -106,20 +106,20 @@ tracker::TickResult TrackerSet::tick(Member& member, DeviceTime frame, const sen
 void TrackerSet::follow_lag(Duration behind, float sure) {
   constexpr std::size_t kJaw = face::shape("jawOpen");
   if (members_.size() < 2) return;
-  std::optional<float> heard, sensed;
+  std::optional<float> from_sound, sensed;
   bool listens = false;
   float most = sure;
   for (const Member& member : members_) {
     if (member.listens) {
       listens = true;
-      if (member.frame.provenance[kJaw] == face::Provenance::audio) heard = member.frame.weights[kJaw];
+      if (member.frame.provenance[kJaw] == face::Provenance::audio) from_sound = member.frame.weights[kJaw];
     } else if (member.explained && (*member.explained)[kJaw] >= most &&
                member.frame.provenance[kJaw] != face::Provenance::neutral) {
       most = (*member.explained)[kJaw];
       sensed = member.frame.weights[kJaw];
     }
   }
-  if (listens) retiming_.push(heard, sensed, behind);
+  if (listens) retiming_.push(from_sound, sensed, behind);
 }
 
 const model::FeatureFrame* TrackerSet::features() const {

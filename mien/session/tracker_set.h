@@ -51,7 +51,7 @@ class TrackerSet {
   void forget(std::uint16_t sensor);
   void change_view(std::uint16_t sensor, const sensor::PictureView& view);
 
-  /// What all trackers say of a frame, beside their estimates: sources().
+  /// What a tick returns beside the estimates (sources()): of all trackers.
   struct Answer {
     std::vector<tracker::CalibrationEvent> calibration;
     std::optional<tracker::TickResult::Hearing> hearing;
@@ -60,7 +60,7 @@ class TrackerSet {
   Answer tick(DeviceTime frame, const sensor::TimeLines& lines);
   /// Each tracker's estimate of the last tick's frame, which merging may mend in place.
   [[nodiscard]] std::span<const shaping::Merge::Source> sources() const { return sources_; }
-  /// Compares the jaw that is heard with the one that is sensed: after the frame was merged. `behind`:
+  /// Compares the jaw estimated from sound with the one that is sensed: after the frame was merged. `behind`:
   /// Hearing's. `sure`: the explained share from which a jaw counts as sensed (MergeSettings).
   void follow_lag(Duration behind, float sure);
   [[nodiscard]] const shaping::Retiming& retiming() const { return retiming_; }

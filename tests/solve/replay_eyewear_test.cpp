@@ -14,13 +14,13 @@ namespace {
 const std::size_t kJaw = face::shape("jawOpen");
 
 /// A second of a talking wearer after a short prologue, as mien perform writes it.
-const take::Take& worn_take() {
+const take::Take& performed_take() {
   static const mien::test::Folder folder;
   static const take::Take take = [] {
     virt::PerformRequest request;
     request.rig = project_path("rigs/eyewear.toml");
     request.motion = virt::test::talking(60);
-    request.take = folder / "worn.mien";
+    request.take = folder / "performed.mien";
     request.seed = 5;
     request.software = "mien test";
     const auto done = virt::perform_take(request, no_progress);
@@ -33,28 +33,28 @@ const take::Take& worn_take() {
 const std::filesystem::path kModel = project_path("models/eyewear.safetensors");
 
 Result<Solution> solved(const Progress& progress = no_progress) {
-  return replay_take(worn_take(), kModel, progress);
+  return replay_take(performed_take(), kModel, progress);
 }
 
 TEST(ReplayEyewear, GivesTheSameBitsEachTime) {
   const auto solution = solved();
   ASSERT_TRUE(solution) << solution.error().message();
-  EXPECT_EQ(solution->frames.size(), worn_take().ticks()->size());
+  EXPECT_EQ(solution->frames.size(), performed_take().ticks()->size());
   EXPECT_TRUE(solution->ridge.empty());
   EXPECT_EQ(solved()->hash, solution->hash);
 }
 
 TEST(ReplayEyewear, TheLogsPrologueCalibrates) {
-  const auto entries = worn_take().entries().value();
+  const auto entries = performed_take().entries().value();
   EXPECT_EQ(entries.front().source, session::kPageSource);
   const Solution solution = solved().value();
   EXPECT_GT(solution.observed, 0.99);
   EXPECT_FALSE(solution.uncalibrated);
   EXPECT_EQ(solution.frames.front().provenance[kJaw], face::Provenance::neutral);
   EXPECT_NE(solution.frames.back().provenance[kJaw], face::Provenance::neutral);
-  const auto truth = own_truth(worn_take());
+  const auto truth = own_truth(performed_take());
   ASSERT_TRUE(truth) << truth.error().message();
-  EXPECT_EQ(with_truth("worn", solution, *truth).model.size(), solution.frames.size());
+  EXPECT_EQ(with_truth("performed", solution, *truth).model.size(), solution.frames.size());
 }
 
 TEST(ReplayEyewear, IsStopped) {
