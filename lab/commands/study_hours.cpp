@@ -98,11 +98,18 @@ HoursPiece hours_piece_of(const app::Json& json) {
                    .nees = json.at("nees"),
                    .missing = json.at("missing")};
   for (const app::Json& held : json.at("held")) piece.held.push_back(hours_errors_of(held));
+  for (const app::Json& released : json.at("released")) piece.released.push_back(hours_errors_of(released));
   return piece;
 }
 
 app::Json errors_json(const HoursErrors& errors) {
   return {{"device", errors.device}, {"lab", errors.lab}, {"known", errors.known}, {"frozen", errors.frozen}};
+}
+
+app::Json errors_json(const std::vector<HoursErrors>& all) {
+  app::Json out = app::Json::array();
+  for (const HoursErrors& errors : all) out.push_back(errors_json(errors));
+  return out;
 }
 
 /// `sensor`: something happens to one.
@@ -130,11 +137,8 @@ Columns<HoursPiece> piece_columns(bool sensor) {
            [](const Piece& piece) {
              return fmt::format("{} {:+.2f}", face::kShapeNames[piece.worst_shape], piece.worst_bias);
            }},
-          {"held", "", "", [](const Piece& piece) {
-             app::Json out = app::Json::array();
-             for (const HoursErrors& held : piece.held) out.push_back(errors_json(held));
-             return out;
-           }}};
+          {"held", "", "", [](const Piece& piece) { return errors_json(piece.held); }},
+          {"released", "", "", [](const Piece& piece) { return errors_json(piece.released); }}};
 }
 
 const Columns<HoursRun>& run_columns() {
@@ -152,15 +156,18 @@ measure::Table run_table(const HoursRun& run) {
   measure::Table table = table_of(fmt::format("{}, {}, seed {}{}", run.script, run.scenario, run.seed,
                                               run.sensor.empty() ? "" : ", " + run.sensor),
                                   run.pieces, piece_columns(!run.sensor.empty()));
-  std::size_t row = 0;
+  std::ptrdiff_t row = 0;
+  const auto add = [&](std::string_view what, const std::vector<HoursErrors>& all) {
+    for (const HoursErrors& weights : all)
+      table.rows.insert(
+          table.rows.begin() + row++,
+          {std::string(what), fmt::format("{:.3f}", weights.device), fmt::format("{:.3f}", weights.lab),
+           fmt::format("{:.3f}", weights.known), fmt::format("{:.3f}", weights.frozen)});
+  };
   for (const HoursPiece& piece : run.pieces) {
     ++row;
-    for (const HoursErrors& held : piece.held) {
-      std::vector<std::string> cells = {"held"};
-      for (const double value : {held.device, held.lab, held.known, held.frozen})
-        cells.push_back(fmt::format("{:.3f}", value));
-      table.rows.insert(table.rows.begin() + static_cast<std::ptrdiff_t>(row++), std::move(cells));
-    }
+    add("held", piece.held);
+    add("released", piece.released);
   }
   return table;
 }

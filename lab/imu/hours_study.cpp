@@ -103,7 +103,6 @@ struct HoursWay {
   face::OutputFrame answer;
   measure::WeightErrors errors = {};
   std::vector<Weights> sampled;
-  std::vector<double> held;
 
   void step(const model::FeatureFrame& features) { tracker.step(features, answer); }
 };
@@ -128,6 +127,41 @@ struct RotationErrors {
   }
 };
 
+/// What each way answers for the shapes of held expressions, each expression's mean over frames of the
+/// present piece.
+class ShapeMeans {
+ public:
+  explicit ShapeMeans(std::span<const performer::HeldExpression> held) : held_(held), means_(held.size()) {}
+
+  /// A frame of the expression `h`.
+  void add(std::size_t h, std::span<const HoursWay> ways) {
+    ++means_[h].frames;
+    for (std::size_t way = 0; way < ways.size(); ++way)
+      for (const std::size_t k : held_[h].shapes)
+        means_[h].sums[way] += ways[way].answer.weights[k] / static_cast<double>(held_[h].shapes.size());
+  }
+  /// Of expressions with frames, in their order; the next piece begins.
+  [[nodiscard]] std::vector<HoursErrors> take() {
+    std::vector<HoursErrors> out;
+    for (Mean& mean : means_) {
+      const auto frames = static_cast<double>(mean.frames);
+      if (mean.frames > 0)
+        out.push_back(
+            {mean.sums[0] / frames, mean.sums[1] / frames, mean.sums[2] / frames, mean.sums[3] / frames});
+      mean = {};
+    }
+    return out;
+  }
+
+ private:
+  struct Mean {
+    std::array<double, 4> sums{};  // Of HoursPerformance's ways.
+    std::size_t frames = 0;
+  };
+  std::span<const performer::HeldExpression> held_;
+  std::vector<Mean> means_;
+};
+
 class HoursPerformance {
  public:
   /// `sensor`: that to which something happens, among the rig's.
@@ -142,7 +176,9 @@ class HoursPerformance {
         noise_(std::move(random)),
         ways_(std::move(ways)),
         pipeline_(rig),
-        frozen_(rig, {.track_heading = false}) {}
+        frozen_(rig, {.track_heading = false}),
+        held_(request.held),
+        released_(request.held) {}
 
   void mark(const std::vector<take::Event>& events) {
     for (const take::Event& event : events)
@@ -173,7 +209,7 @@ class HoursPerformance {
     if (frame.motion_s >= piece_begin_s_ + performer::kPieceS) end_piece();
     for (HoursWay& way : ways_) way.errors.add(way.answer.weights, frame.weights);
     add_rotations(truth);
-    add_held(frame);
+    add_held(frame.motion_s);
     if (frames_++ % kSampledFrames != 0) return;
     truth_.push_back(frame.weights);
     for (HoursWay& way : ways_) way.sampled.push_back(way.answer.weights);
@@ -201,16 +237,12 @@ class HoursPerformance {
       ++judged_;
     }
   }
-  void add_held(const virt::StreamedFrame& frame) {
-    for (HoursWay& way : ways_) way.held.resize(request_.held.size());
-    held_frames_.resize(request_.held.size());
+  void add_held(double motion_s) {
     for (std::size_t h = 0; h < request_.held.size(); ++h) {
       const performer::HeldExpression& held = request_.held[h];
-      if (frame.motion_s < held.begin_s + kSettledS || frame.motion_s > held.end_s) continue;
-      ++held_frames_[h];
-      for (HoursWay& way : ways_)
-        for (const std::size_t k : held.shapes)
-          way.held[h] += way.answer.weights[k] / static_cast<double>(held.shapes.size());
+      if (motion_s >= held.begin_s + kSettledS && motion_s <= held.end_s) held_.add(h, ways_);
+      const double released_s = motion_s - held.end_s - kReleasedS;
+      if (released_s >= 0 && released_s < 1) released_.add(h, ways_);
     }
   }
   void end_piece() {
@@ -245,26 +277,24 @@ class HoursPerformance {
                             static_cast<double>(std::max<std::size_t>(1, expected_));
     const double relative = piece.mse.device / piece.mse.lab;
     piece.ratio = pieces_.empty() ? 1 : relative / (pieces_.front().mse.device / pieces_.front().mse.lab);
-    for (std::size_t h = 0; h < held_frames_.size(); ++h)
-      if (held_frames_[h] > 0)
-        piece.held.push_back(
-            each([&](const HoursWay& way) { return way.held[h] / static_cast<double>(held_frames_[h]); }));
+    piece.held = held_.take();
+    piece.released = released_.take();
     pieces_.push_back(std::move(piece));
     piece_begin_s_ += performer::kPieceS;
     frames_ = expected_ = judged_ = 0;
     nees_ = 0;
     rotation_errors_ = vertical_errors_ = sensor_errors_ = frozen_sensor_errors_ = {};
     truth_.clear();
-    std::ranges::fill(held_frames_, 0);
     for (HoursWay& way : ways_) {
       way.errors = {};
       way.sampled.clear();
-      std::ranges::fill(way.held, 0.0);
     }
   }
 
   /// An expression counts as held from this long after it began, s.
   static constexpr double kSettledS = 2;
+  /// The second that begins so long after an expression's end tells what is left of it, s.
+  static constexpr double kReleasedS = 10;
   const HoursRequest& request_;
   const std::vector<virt::SkinSite>& sites_;
   std::optional<std::uint16_t> sensor_;
@@ -283,7 +313,7 @@ class HoursPerformance {
   double nees_ = 0;
   RotationErrors rotation_errors_, vertical_errors_, sensor_errors_, frozen_sensor_errors_;
   std::vector<Weights> truth_;
-  std::vector<std::size_t> held_frames_;
+  ShapeMeans held_, released_;
 };
 
 /// One performance of the study: a script's or a motion's, in a scenario.

@@ -93,8 +93,12 @@ struct HoursPiece {
   /// That error squared by the covariance that the drift filter states, over its expectation: 1 is a filter
   /// that knows how wrong it is, above 1 one that is too sure.
   double nees = 0;
-  double missing = 0;             ///< Share of rotations that were not given, 0 to 1.
-  std::vector<HoursErrors> held;  ///< Of each held expression within this piece: mean weight of its shapes.
+  double missing = 0;  ///< Share of rotations that were not given, 0 to 1.
+  /// Of each expression that is held within this piece: mean weight of its shapes.
+  std::vector<HoursErrors> held;
+  /// The same in the second that begins ten seconds after the release, of each that is released in this
+  /// piece.
+  std::vector<HoursErrors> released;
 };
 
 struct HoursRun {
