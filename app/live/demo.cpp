@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -24,7 +23,6 @@
 #include "app/seed_option.h"
 #include "app/write_motion.h"
 #include "mien/core/files.h"
-#include "mien/face/livelink_csv.h"
 #include "mien/measure/evaluation_report.h"
 #include "mien/modalities/modalities.h"
 #include "mien/model/model_file.h"

@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "app/live/shared_start.h"
 #include "mien/core/error.h"

@@ -1,7 +1,6 @@
 #include "mien/sink/csv_sink.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

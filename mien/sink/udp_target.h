@@ -5,7 +5,6 @@
 //
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
-#include <string>
 
 #include "mien/core/error.h"
 #include "mien/sink/address.h"
