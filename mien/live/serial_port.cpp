@@ -11,6 +11,7 @@
 #include <charconv>
 #include <system_error>
 
+#include "mien/core/ascii.h"
 #include "mien/live/serial_speed.h"
 
 namespace mien::live {
@@ -48,9 +49,7 @@ Result<SerialAddress> parse_serial_address(std::string_view text) {
         address.baud > kMostBaud)
       return bad(fmt::format("the rate is no number from {} to {}", kLeastBaud, kMostBaud));
   }
-  const bool odd =
-      std::ranges::any_of(rest, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; });
-  if (!rest.starts_with('/') || rest.size() > kMaxDevicePath || odd)
+  if (!rest.starts_with('/') || rest.size() > kMaxDevicePath || has_control(rest))
     return bad("the device is no absolute path");
   address.device = rest;
   return address;

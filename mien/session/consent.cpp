@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "mien/core/ascii.h"
 #include "mien/core/utf8.h"
 
 namespace mien::session {
@@ -14,8 +15,7 @@ constexpr std::size_t kMaxPerformer = 60, kMaxRecordedBy = 200, kMaxPurpose = 10
 
 bool one_line_within(std::string_view text, std::size_t most) {
   const bool blank = std::ranges::all_of(text, [](char c) { return c == ' '; });
-  return !blank && text.size() <= most && is_utf8(text) &&
-         std::ranges::none_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+  return !blank && text.size() <= most && is_utf8(text) && !has_control(text);
 }
 
 }  // namespace

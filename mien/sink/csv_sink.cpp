@@ -1,4 +1,4 @@
-#include "mien/sink/csv_sink.h"
+#include "mien/sink/sink_kinds.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

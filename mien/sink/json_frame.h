@@ -42,7 +42,4 @@ struct Hello {
 void write_frame_json(const face::OutputFrame& frame, std::int64_t frame_index,
                       const face::BlendshapeWeights* truth, std::string& out);
 
-/// The letter of a provenance: m, i, p, h, a, n.
-[[nodiscard]] char provenance_letter(face::Provenance provenance);
-
 }  // namespace mien::sink

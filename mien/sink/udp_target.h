@@ -22,10 +22,15 @@ enum class Delivery {
 /// A few words for Status::note; empty for `taken`.
 [[nodiscard]] std::string_view describe(Delivery delivery);
 
+/// Where a host is: IPv4 before IPv6 where a name has both. Blocks while the name is looked up. Errors:
+/// not_found.
+[[nodiscard]] Result<boost::asio::ip::address> find_host(boost::asio::io_context& network,
+                                                         const Address& address, std::uint16_t default_port);
+
 /// A UDP receiver, resolved once. Its socket is connected, so that the receiver's refusals come back.
 class UdpTarget {
  public:
-  /// IPv4 before IPv6 where a name has both. Blocks while the name is looked up. Errors: not_found, io.
+  /// Errors: find_host()'s, io.
   [[nodiscard]] static Result<UdpTarget> open(boost::asio::io_context& network, const Address& address,
                                               std::uint16_t default_port);
   /// The same for a receiver that is known by number. Errors: io.
