@@ -73,7 +73,7 @@ void Engine::State::take_answers() {
         const std::string words(space == std::string_view::npos ? std::string_view()
                                                                 : text.substr(space + 1));
         // Of what was played to its end that is told, and no loss.
-        if (kind == "sensor_lost" && std::ranges::any_of(hearing.over(), [&](const std::string& sensor) {
+        if (kind == "sensor_lost" && std::ranges::any_of(feeds.over(), [&](const std::string& sensor) {
               return words == LinkNews::loss_text(sensor);
             }))
           break;
@@ -155,7 +155,7 @@ void Engine::State::on_beat() {
     tell("microphone_missing", *silence);
   look_at_video();
   follow_recordings(recorder.state(), report);
-  hearing.look(report.hearing ? std::optional(report.hearing->on) : std::nullopt, page.get());
+  feeds.look(report.hearing ? std::optional(report.hearing->on) : std::nullopt, page.get());
   // A take's face has no part in what cameras see now.
   if (page && pictures.watched(*page) && !player.on()) pictures.look(report.links, *page);
   const bool watched = page && page->clients() > 0;
@@ -171,7 +171,7 @@ bool Engine::State::recording_is_over() const {
 }
 
 std::vector<CameraStatus> Engine::State::cameras() const {
-  std::vector<CameraStatus> all = hearing.cameras();
+  std::vector<CameraStatus> all = feeds.cameras();
   for (SerialPort::Status& line : intake.lines())
     if (line.camera) all.push_back(*std::move(line.camera));
   return all;
@@ -181,7 +181,7 @@ Status Engine::State::status() const {
   Status out;
   out.report = loop.report();
   out.missed = loop.missed();
-  out.hearing = hearing.state();
+  out.hearing = feeds.state();
   out.pictures = pictures.state();
   for (const Latencies& part : pieces) out.latency += part;
   for (const Outlet& outlet : outlets) out.sinks.push_back({outlet.id, outlet.on, outlet.sink->status()});
@@ -268,8 +268,8 @@ Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
   }
   std::ranges::copy_if(state->listening, std::back_inserter(state->open), is_on_every_interface);
   state->pictures.open(state->settings.feeds);
-  MIEN_TRY(state->hearing.open(std::move(state->settings.feeds), state->settings.hear, state->settings.shut,
-                               state->intake));
+  MIEN_TRY(state->feeds.open(std::move(state->settings.feeds), state->settings.hear, state->settings.shut,
+                             state->intake));
   state->look_at_interfaces();
   for (const std::string& address : state->settings.out) MIEN_TRY(state->add_sink(address));
   if (state->settings.page) {
@@ -323,11 +323,11 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   s.wait_for_answers();
   s.wait_for_beat();
   s.loop.start();
-  s.hearing.begin([&s](std::string kind, std::string said) {
+  s.feeds.begin([&s](std::string kind, std::string said) {
     asio::post(s.network, [&s, kind = std::move(kind), said = std::move(said)] { s.tell(kind, said); });
   });
   s.network.run();
-  s.hearing.end();
+  s.feeds.end();
   s.video.close(s.now());
   s.look_at_video();
   s.loop.stop();

@@ -99,7 +99,7 @@ Result<std::string> Engine::State::execute(std::uint64_t client, const json& com
   if (name == "pair") return execute_pair();
   if (name == "microphone") {
     MIEN_TRY_ASSIGN(const bool on, switch_field(command, name));
-    MIEN_TRY(hearing.microphone(client, on, *page));
+    MIEN_TRY(feeds.microphone(client, on, *page));
     return std::string();
   }
   if (name == "video") return execute_video(client, command);
@@ -256,7 +256,7 @@ void Engine::State::on_bytes(std::uint64_t client, std::span<const std::byte> by
   if (is_video_message(bytes))
     video.take(client, bytes, now());
   else
-    hearing.take(client, bytes);
+    feeds.take(client, bytes);
 }
 
 void Engine::State::look_at_video() {

@@ -128,7 +128,7 @@ struct Engine::State {
   Intake intake;
   Recorder recorder;
   TrackerLoop loop;
-  Hearing hearing;  // Before what its feeds fill is gone they have ended.
+  Feeds feeds;  // Before what they fill is gone they have ended.
   PagePictures pictures;
   Player player;
   TakeListing listing;

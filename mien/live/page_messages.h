@@ -9,7 +9,7 @@
 
 #include "mien/live/camera_status.h"
 #include "mien/live/dataset_recording.h"
-#include "mien/live/hearing.h"
+#include "mien/live/feeds.h"
 #include "mien/live/latency.h"
 #include "mien/live/network_interfaces.h"
 #include "mien/live/page_pictures.h"
