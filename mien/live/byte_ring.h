@@ -1,10 +1,14 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 
 namespace mien::live {
 
@@ -20,9 +24,29 @@ class ByteRing {
   /// Room for a record of `size` bytes, or an empty span when there is none now; publish() hands it over.
   [[nodiscard]] std::span<std::byte> claim(std::size_t size);
   void publish();
+  /// Both, for a record that begins with a plain struct. False when there is no room now.
+  template <class Head>
+  [[nodiscard]] bool put(const Head& head, std::span<const std::byte> bytes,
+                         std::span<const std::byte> more = {}) {
+    const std::span<std::byte> room = claim(sizeof(head) + bytes.size() + more.size());
+    if (room.empty()) return false;
+    std::memcpy(room.data(), &head, sizeof(head));
+    std::ranges::copy(more, std::ranges::copy(bytes, room.begin() + sizeof(head)).out);
+    publish();
+    return true;
+  }
 
   /// The oldest record, empty when there is none; it stays valid until release().
   [[nodiscard]] std::span<const std::byte> front();
+  /// The same of one that put() wrote: its head, and what is behind it.
+  template <class Head>
+  [[nodiscard]] std::optional<std::pair<Head, std::span<const std::byte>>> front_of() {
+    const std::span<const std::byte> record = front();
+    if (record.empty()) return std::nullopt;
+    Head head{};
+    std::memcpy(&head, record.data(), sizeof(head));
+    return std::pair(head, record.subspan(sizeof(head)));
+  }
   void release();
 
  private:

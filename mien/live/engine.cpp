@@ -196,11 +196,7 @@ Status Engine::State::status() const {
   std::error_code ignored;
   const auto bytes = std::filesystem::file_size(out.recording.path, ignored);
   if (!ignored) out.recording_megabytes = static_cast<double>(bytes) / 1e6;
-  if (player.on()) {
-    const Player::View view = player.view(now());
-    out.replay =
-        ReplayState{view.take, view.time_s, view.duration_s, view.paused, view.has_truth, view.error};
-  }
+  if (player.on()) out.replay = player.view(now());
   return out;
 }
 

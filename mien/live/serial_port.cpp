@@ -63,22 +63,14 @@ SerialPort::SerialPort(asio::io_context& network, SerialAddress address, OnFrame
       watch_(network) {}
 
 Result<std::unique_ptr<SerialPort>> SerialPort::open(asio::io_context& network, SerialAddress address,
-                                                     OnFrame on_frame) {
-  return begin(std::unique_ptr<SerialPort>(new SerialPort(network, std::move(address), std::move(on_frame))));
-}
-
-Result<std::unique_ptr<SerialPort>> SerialPort::open(asio::io_context& network, SerialAddress address,
-                                                     OnFrame on_frame, LineCamera camera,
+                                                     OnFrame on_frame, std::optional<LineCamera> camera,
                                                      sensor::PayloadStream::OnPayload on_payload,
                                                      CameraPictures::Clock clock) {
   std::unique_ptr<SerialPort> made(new SerialPort(network, std::move(address), std::move(on_frame)));
-  made->camera_ =
-      std::make_unique<CameraPictures>(made->address_.source(), std::move(camera.sensor),
-                                       std::move(camera.stream), std::move(on_payload), std::move(clock));
-  return begin(std::move(made));
-}
-
-Result<std::unique_ptr<SerialPort>> SerialPort::begin(std::unique_ptr<SerialPort> made) {
+  if (camera)
+    made->camera_ =
+        std::make_unique<CameraPictures>(made->address_.source(), std::move(camera->sensor),
+                                         std::move(camera->stream), std::move(on_payload), std::move(clock));
   MIEN_TRY(made->try_open());
   made->read();
   if (made->camera_) made->watch();

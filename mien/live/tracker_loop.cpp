@@ -120,21 +120,14 @@ void TrackerLoop::take(const Arrived& arrived) {
 }
 
 void TrackerLoop::post(const OutgoingMessage& said) {
-  const std::span<std::byte> room = said_.claim(sizeof(MessageHead) + said.bytes.size());
-  if (room.empty()) return;  // The network's thread stands still: nobody would hear it.
-  const MessageHead head{said.kind, said.to, said.number};
-  std::memcpy(room.data(), &head, sizeof(head));
-  if (!said.bytes.empty()) std::memcpy(room.data() + sizeof(head), said.bytes.data(), said.bytes.size());
-  said_.publish();
-  out_.give();
+  // No room: the network's thread stands still, and nobody would hear it.
+  if (said_.put(MessageHead{said.kind, said.to, said.number}, said.bytes)) out_.give();
 }
 
 std::optional<OutgoingMessage> TrackerLoop::front_said() {
-  const std::span<const std::byte> record = said_.front();
-  if (record.empty()) return std::nullopt;
-  MessageHead head{};
-  std::memcpy(&head, record.data(), sizeof(head));
-  return OutgoingMessage{head.kind, head.to, head.number, record.subspan(sizeof(head))};
+  const auto record = said_.front_of<MessageHead>();
+  if (!record) return std::nullopt;
+  return OutgoingMessage{record->first.kind, record->first.to, record->first.number, record->second};
 }
 
 void TrackerLoop::post_event(std::string_view kind, std::string_view text) {
