@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "mien/live/intake.h"
+#include "mien/live/page_messages.h"
 #include "mien/live/page_server.h"
 
 namespace mien::live::feeds_test {
