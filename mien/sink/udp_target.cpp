@@ -47,6 +47,15 @@ Result<boost::asio::ip::address> find_host(boost::asio::io_context& network, con
   return (v4 == found.end() ? found.begin() : v4)->endpoint().address();
 }
 
+bool is_this_machine(const boost::asio::ip::address& address) {
+  boost::asio::io_context nothing;
+  udp::socket socket(nothing);
+  error_code code;
+  socket.open(address.is_v6() ? udp::v6() : udp::v4(), code);
+  if (!code) socket.bind({address, 0}, code);
+  return !code;
+}
+
 Result<UdpTarget> UdpTarget::open(boost::asio::io_context& network, const Address& address,
                                   std::uint16_t default_port) {
   MIEN_TRY_ASSIGN(const auto host, find_host(network, address, default_port));

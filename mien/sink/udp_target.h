@@ -27,6 +27,10 @@ enum class Delivery {
 [[nodiscard]] Result<boost::asio::ip::address> find_host(boost::asio::io_context& network,
                                                          const Address& address, std::uint16_t default_port);
 
+/// Whether this machine has the address: a socket may be bound to no other. Also 127.0.0.2, which no
+/// interface names.
+[[nodiscard]] bool is_this_machine(const boost::asio::ip::address& address);
+
 /// A UDP receiver, resolved once. Its socket is connected, so that the receiver's refusals come back.
 class UdpTarget {
  public:
