@@ -12,7 +12,7 @@
 
 namespace mien::live {
 
-/// As Ring, of records of any length: one thread writes, one reads. A record that does not fit is refused
+/// A queue of records of any length: one thread writes, one reads. A record that does not fit is refused
 /// whole. A record that is claimed while nothing waits stands at the front of the ring's memory, so that one
 /// which is emptied now and then touches only what came in between: the machine is asked for the rest of a
 /// large ring only when it fills. No lock, no allocation after construction.

@@ -12,7 +12,6 @@
 
 #include "mien/core/error.h"
 #include "mien/live/camera_pictures.h"
-#include "mien/live/camera_status.h"
 #include "mien/live/name_lookup.h"
 #include "mien/sensor/payload_stream.h"
 

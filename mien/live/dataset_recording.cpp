@@ -60,9 +60,7 @@ std::vector<session::Command> DatasetRecording::begin(const DatasetPlan& plan, s
                  .performer = plan.wish.consent.performer,
                  .take = plan.take.filename().string(),
                  .lines = plan.prompts.size(),
-                 .done = plan.done,
-                 .over = false,
-                 .error = {}};
+                 .done = plan.done};
   ending_ = asked_ = false;
   using Do = session::Prompting::Do;
   std::vector<session::Command> commands;

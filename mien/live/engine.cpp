@@ -122,12 +122,11 @@ void Engine::State::on_beat() {
     pieces[piece].clear();
     look_at_interfaces();
   }
-  for (const RecordingNews::Sentence& news : recording_news.tell(recorder.state(), recorder.take_ended()))
+  for (const Sentence& news : recording_news.tell(recorder.state(), recorder.take_ended()))
     tell(news.kind, news.text);
-  for (const CameraNews::Sentence& news : line_news.tell(now(), intake.lines())) tell(news.kind, news.text);
+  for (const Sentence& news : line_news.tell(now(), intake.lines())) tell(news.kind, news.text);
   intake.fast_senders(fast_senders);
-  for (const FastSenderNews::Sentence& news : fast_sender_news.tell(now(), fast_senders))
-    tell(news.kind, news.text);
+  for (const Sentence& news : fast_sender_news.tell(now(), fast_senders)) tell(news.kind, news.text);
   for (Outlet& outlet : outlets) {
     const sink::Status state = outlet.sink->status();
     // A receiver that is there and not there by turns is told of once.
@@ -135,22 +134,21 @@ void Engine::State::on_beat() {
     outlet.told = state.note;
     tell("sink", state.address + ": " + state.note);
   }
+  const session::Report report = loop.report();
   if (!told_silent && std::chrono::steady_clock::now() - begun > kSilence) {
     told_silent = true;
-    if (const session::Report report = loop.report(); report.frames == 0) {
+    if (report.frames == 0) {
       const Intake::Counts counts = intake.counts();
       tell("nothing_heard",
            unheard_text(why_unheard({counts.received, counts.elsewhere, settings.sealed}, report), report));
     }
   }
   if (!told_uncalibrated) {
-    const session::Report report = loop.report();
     told_uncalibrated = report.frames > kUncalibratedFrames;
     if (told_uncalibrated && report.calibration.state == "watching")
       tell("not_calibrated",
            "nothing is calibrated yet, so the face stays neutral: " + report.calibration.prompt);
   }
-  const session::Report report = loop.report();
   if (const auto silence = unheard_microphone.tell(now(), session->rig(), report))
     tell("microphone_missing", *silence);
   look_at_video();

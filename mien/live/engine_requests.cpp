@@ -263,7 +263,7 @@ void Engine::State::look_at_video() {
     for (const VideoRecording::News::Event& event : news.events)
       recorder.note({event.kind, newest, newest, event.json});
   }
-  for (const VideoRecording::News::Sentence& sentence : news.sentences) tell(sentence.kind, sentence.text);
+  for (const Sentence& sentence : news.sentences) tell(sentence.kind, sentence.text);
   for (const VideoRecording::News::Stop& stop_it : news.stops)
     if (page) page->send(stop_it.client, video_json(stop_it.why, stop_it.again));
 }

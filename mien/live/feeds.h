@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "mien/core/error.h"
-#include "mien/live/camera_status.h"
+#include "mien/live/camera_pictures.h"
 #include "mien/live/page_inlet.h"
 #include "mien/live/payload_source.h"
 #include "mien/live/picture_tap.h"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "mien/live/camera_status.h"
+#include "mien/live/camera_pictures.h"
 #include "mien/live/dataset_recording.h"
 #include "mien/live/feeds.h"
 #include "mien/live/latency.h"

@@ -184,8 +184,7 @@ SerialPort::Status SerialPort::status() const {
                 .problem = problem_,
                 .unplugged = unplugged_,
                 .bytes = received_,
-                .overlong = framer_.overlong(),
-                .camera = std::nullopt};
+                .overlong = framer_.overlong()};
   if (!camera_) return status;
   CameraStatus camera = camera_->status();
   if (camera.pictures.all() > 0) status.camera = std::move(camera);

@@ -15,7 +15,6 @@
 
 #include "mien/core/error.h"
 #include "mien/live/camera_pictures.h"
-#include "mien/live/camera_status.h"
 #include "mien/sensor/payload_stream.h"
 #include "mien/sensor/stream_framer.h"
 

@@ -84,15 +84,10 @@ void TrackerLoop::fire(HostTime now, HostTime cause) {
   while (const auto tick = session_.due(now)) {
     const face::OutputFrame& frame = session_.tick(tick->frame, tick->fired);
     recorder_.tick(*tick);
-    if (Answer* answer = answers_.claim()) {
-      answer->tick = *tick;
-      answer->cause = tick->complete ? cause : tick->fired;
-      answer->frame = frame;
-      answers_.publish();
+    if (answers_.push(Answer{*tick, tick->complete ? cause : tick->fired, frame}))
       out_.give();
-    } else {
+    else
       ++missed_;
-    }
     hand_over_news(now);
   }
 }
@@ -142,7 +137,7 @@ void TrackerLoop::hand_over_news(HostTime now) {
     if (LinkNews::is_about_a_link(event)) continue;
     if (const std::string words = event_text(event); !words.empty()) post_event(event.kind, words);
   }
-  for (const LinkNews::Sentence& news : link_news_.tell(now, events)) post_event(news.kind, news.text);
+  for (const Sentence& news : link_news_.tell(now, events)) post_event(news.kind, news.text);
   const auto& versions = session_.versions();
   for (; versions_ < static_cast<std::int64_t>(versions.size()); ++versions_) {
     const session::CalibrationVersion& version = versions[static_cast<std::size_t>(versions_)];
@@ -159,7 +154,7 @@ void TrackerLoop::look_around(HostTime now) {
   for (const sensor::Protocol::Outgoing& said : outgoing_)
     post({OutgoingMessage::Kind::datagram, said.peer, 0, said.datagram});
   if (++looks_ % 2 == 0) return;
-  for (const LinkNews::Sentence& news : link_news_.tell(now, {})) post_event(news.kind, news.text);
+  for (const Sentence& news : link_news_.tell(now, {})) post_event(news.kind, news.text);
   session_.report(now, draft_);
   tell_of_hold();
   tell_of_versions();
