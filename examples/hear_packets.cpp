@@ -14,7 +14,6 @@
 #include "mien/imu/packets/packet.h"
 #include "mien/modalities/modalities.h"
 #include "mien/sensor/bindings.h"
-#include "mien/session/peers.h"
 
 namespace {
 using namespace mien;

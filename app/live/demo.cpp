@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -16,7 +15,6 @@
 #include "app/live/demo_dataset.h"
 #include "app/live/demo_session.h"
 #include "app/live/perform_network.h"
-#include "app/live/running_session.h"
 #include "app/media_helper.h"
 #include "app/performance.h"
 #include "app/private_folder.h"
@@ -24,7 +22,6 @@
 #include "app/seed_option.h"
 #include "app/write_motion.h"
 #include "mien/core/files.h"
-#include "mien/face/livelink_csv.h"
 #include "mien/measure/evaluation_report.h"
 #include "mien/modalities/modalities.h"
 #include "mien/model/model_file.h"

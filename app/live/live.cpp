@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -9,7 +8,6 @@
 #include "app/json_output.h"
 #include "app/live/live_command.h"
 #include "app/live/live_session.h"
-#include "app/live/phones_beside.h"
 #include "app/one_line.h"
 #include "mien/modalities/modalities.h"
 #include "mien/session/replay.h"
@@ -71,18 +69,7 @@ Result<void> run_replay(LiveOptions options) {
 Result<void> run_live(LiveOptions options) {
   if (!options.replay.empty()) return run_replay(std::move(options));
   MIEN_TRY_ASSIGN(const LiveSession session, open_live(std::move(options.request)));
-  std::FILE* const out = options.json ? stderr : stdout;
-  print_opening(out, session);
-  live::EngineListener listener;
-  listener.told = [out](const std::string& news) {
-    fmt::print(out, "{}\n", news);
-    std::fflush(out);
-  };
-  listener.seen = [&listener, phones = PhonesBeside()](const live::Status& status) mutable {
-    for (const std::string& news : phones.tell(status.report)) listener.told(news);
-  };
-  MIEN_TRY_ASSIGN(const live::EngineSummary summary, session.engine->run(stop_asked(), listener));
-  return print_closing(summary, options.json);
+  return run_session(session, options.json);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstdio>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "app/json_output.h"
 #include "app/live/camera_feed.h"
 #include "app/live/page_address.h"
+#include "app/live/phones_beside.h"
 #include "mien/core/units.h"
 #include "mien/live/network_interfaces.h"
 #include "mien/live/unheard.h"
@@ -172,13 +174,80 @@ Result<void> no_frame_came(live::Unheard why, const session::Report& report) {
                 "docs/reference/links.md says why that may be");
 }
 
-}  // namespace
-
 std::string log_text(const live::Spool::Usage& log) {
   const std::string used = fmt::format("{:.3g} of {:g} GB", 1e-9 * static_cast<double>(log.bytes),
                                        1e-9 * static_cast<double>(log.limit));
   return log.seconds_left ? fmt::format("{}, {:.1f} h left", used, *log.seconds_left / 3600) : used;
 }
+
+void print_opening(std::FILE* out, const LiveSession& session) {
+  const live::Engine& engine = *session.engine;
+  const live::NetworkState network = engine.network();
+  bool reachable = false;
+  for (const std::string& address : engine.listening()) {
+    reachable = reachable || !live::is_on_this_machine(address);
+    fmt::print(out, "Listening on {}{}\n", address, reach_text(address, network));
+  }
+  for (const auto& [address, sensor] : session.cameras)
+    if (is_camera(address))
+      fmt::print(out, "Asking {} for its pictures, {}'s\n", address, sensor);
+    else
+      fmt::print(out, "Pictures on {} are {}'s\n", address, sensor);
+  for (const std::string& phone : session.phones) fmt::print(out, "Asking {} for its frames\n", phone);
+  if (!session.without_address.empty())
+    fmt::print(out, "No --listen {} for {}: missing cameras\n",
+               session.cameras.empty() ? "http://HOST/ is given" : "is left",
+               fmt::join(session.without_address, ", "));
+  if (!session.pictures.empty()) fmt::print(out, "{}\n", session.pictures);
+  if (network.sealed)
+    fmt::print(out, "Only devices with the key are received{}\n",
+               network.unsealed.empty()
+                   ? ""
+                   : ", and pictures, which no key seals: who answers as a camera is believed");
+  else if (reachable)
+    fmt::print(out, "There is no key, so anybody there can send{}\n",
+               network.open.empty() ? "; --key admits only paired devices"
+                                    : "; the page or --listen names one interface, --key admits only paired "
+                                      "devices");
+  for (const std::string& address : session.out) fmt::print(out, "Sending to {}\n", address);
+  if (!engine.page().empty())
+    fmt::print(out, "The page is at {}\n",
+               fmt::join(openable_addresses(engine.page(), own_addresses()), "\n            or "));
+  fmt::print(out, "Ctrl-C ends it\n");
+}
+
+Result<void> print_closing(const live::EngineSummary& summary, bool json) {
+  if (json) {
+    print_json(summary_json(summary));
+  } else {
+    fmt::print("{} frames, {} missed; {}\n", summary.frames, summary.missed, latency_text(summary.latency));
+    if (summary.report.longest_hold > Duration::zero())
+      fmt::print("Frames were held up to {:.0f} ms, beside that latency: packets arrived late\n",
+                 1e3 * to_seconds(summary.report.longest_hold));
+    if (summary.frames > 0 && summary.report.calibration.state == "watching")
+      fmt::print("Nothing was ever calibrated, so every frame is neutral: {}\n",
+                 summary.report.calibration.prompt);
+    if (summary.report.calibration.sigma_rad)
+      fmt::print("Rotations were known to {:.1f} degrees at the end\n",
+                 kDegPerRad * *summary.report.calibration.sigma_rad);
+    for (const sink::Status& sink : summary.sinks)
+      fmt::print("{}: {} sent, {} failed{}{}\n", sink.address, sink.sent, sink.failed,
+                 sink.note.empty() ? "" : "; ", sink.note);
+    for (const live::CameraStatus& camera : summary.cameras) fmt::print("{}\n", camera_text(camera));
+    fmt::print("The session's log took {}\n", log_text(summary.log));
+    if (summary.take) fmt::print("Wrote {}\n", summary.take->string());
+    fmt::print("kernels {}, hash {}\n", summary.kernels, summary.hash);
+  }
+  if (!summary.recording_error.empty())
+    return fail(ErrorCode::io, summary.recording_error, summary.take ? summary.take->string() : "recording");
+  if (summary.frames > 0) return {};
+  return no_frame_came(
+      live::why_unheard({summary.datagrams, summary.network.elsewhere, summary.network.sealed},
+                        summary.report),
+      summary.report);
+}
+
+}  // namespace
 
 Option add_session_options(Command command, LiveRequest& request) {
   const Option listen = command.add_option(
@@ -251,72 +320,25 @@ Option add_session_options(Command command, LiveRequest& request) {
   return listen;
 }
 
-void print_opening(std::FILE* out, const LiveSession& session) {
-  const live::Engine& engine = *session.engine;
-  const live::NetworkState network = engine.network();
-  bool reachable = false;
-  for (const std::string& address : engine.listening()) {
-    reachable = reachable || !live::is_on_this_machine(address);
-    fmt::print(out, "Listening on {}{}\n", address, reach_text(address, network));
-  }
-  for (const auto& [address, sensor] : session.cameras)
-    if (is_camera(address))
-      fmt::print(out, "Asking {} for its pictures, {}'s\n", address, sensor);
-    else
-      fmt::print(out, "Pictures on {} are {}'s\n", address, sensor);
-  for (const std::string& phone : session.phones) fmt::print(out, "Asking {} for its frames\n", phone);
-  if (!session.without_address.empty())
-    fmt::print(out, "No --listen {} for {}: missing cameras\n",
-               session.cameras.empty() ? "http://HOST/ is given" : "is left",
-               fmt::join(session.without_address, ", "));
-  if (!session.pictures.empty()) fmt::print(out, "{}\n", session.pictures);
-  if (network.sealed)
-    fmt::print(out, "Only devices with the key are received{}\n",
-               network.unsealed.empty()
-                   ? ""
-                   : ", and pictures, which no key seals: who answers as a camera is believed");
-  else if (reachable)
-    fmt::print(out, "There is no key, so anybody there can send{}\n",
-               network.open.empty() ? "; --key admits only paired devices"
-                                    : "; the page or --listen names one interface, --key admits only paired "
-                                      "devices");
-  for (const std::string& address : session.out) fmt::print(out, "Sending to {}\n", address);
-  if (!engine.page().empty())
-    fmt::print(out, "The page is at {}\n",
-               fmt::join(openable_addresses(engine.page(), own_addresses()), "\n            or "));
-  fmt::print(out, "Ctrl-C ends it\n");
+Result<void> run_session(const LiveSession& session, bool json, const std::string& more,
+                         const std::function<void(const live::Status&)>& seen) {
+  std::FILE* const out = json ? stderr : stdout;
+  print_opening(out, session);
+  if (!more.empty()) fmt::print(out, "{}\n", more);
   std::fflush(out);
-}
-
-Result<void> print_closing(const live::EngineSummary& summary, bool json) {
-  if (json) {
-    print_json(summary_json(summary));
-  } else {
-    fmt::print("{} frames, {} missed; {}\n", summary.frames, summary.missed, latency_text(summary.latency));
-    if (summary.report.longest_hold > Duration::zero())
-      fmt::print("Frames were held up to {:.0f} ms, beside that latency: packets arrived late\n",
-                 1e3 * to_seconds(summary.report.longest_hold));
-    if (summary.frames > 0 && summary.report.calibration.state == "watching")
-      fmt::print("Nothing was ever calibrated, so every frame is neutral: {}\n",
-                 summary.report.calibration.prompt);
-    if (summary.report.calibration.sigma_rad)
-      fmt::print("Rotations were known to {:.1f} degrees at the end\n",
-                 kDegPerRad * *summary.report.calibration.sigma_rad);
-    for (const sink::Status& sink : summary.sinks)
-      fmt::print("{}: {} sent, {} failed{}{}\n", sink.address, sink.sent, sink.failed,
-                 sink.note.empty() ? "" : "; ", sink.note);
-    for (const live::CameraStatus& camera : summary.cameras) fmt::print("{}\n", camera_text(camera));
-    fmt::print("The session's log took {}\n", log_text(summary.log));
-    if (summary.take) fmt::print("Wrote {}\n", summary.take->string());
-    fmt::print("kernels {}, hash {}\n", summary.kernels, summary.hash);
-  }
-  if (!summary.recording_error.empty())
-    return fail(ErrorCode::io, summary.recording_error, summary.take ? summary.take->string() : "recording");
-  if (summary.frames > 0) return {};
-  return no_frame_came(
-      live::why_unheard({summary.datagrams, summary.network.elsewhere, summary.network.sealed},
-                        summary.report),
-      summary.report);
+  live::EngineListener listener;
+  listener.told = [out](const std::string& news) {
+    clear_progress();
+    fmt::print(out, "{}\n", news);
+    std::fflush(out);
+  };
+  listener.seen = [&listener, &seen, phones = PhonesBeside()](const live::Status& status) mutable {
+    for (const std::string& news : phones.tell(status.report)) listener.told(news);
+    if (seen) seen(status);
+  };
+  MIEN_TRY_ASSIGN(const live::EngineSummary summary, session.engine->run(stop_asked(), listener));
+  clear_progress();
+  return print_closing(summary, json);
 }
 
 }  // namespace mien::app

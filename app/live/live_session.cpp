@@ -26,7 +26,7 @@
 #include "app/live/pairing_key.h"
 #include "app/live/phone_feed.h"
 #include "app/live/phone_teacher.h"
-#include "app/live/recording_scripts.h"
+#include "app/live/prompt_source.h"
 #include "app/live/sound_feed.h"
 #include "app/textured_face.h"
 #include "mien/core/files.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mien/core/error.h"
-#include "mien/live/engine.h"
+#include "mien/live/feeds.h"
 
 namespace mien::app {
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <utility>
 
 #include "mien/core/files.h"
 #include "mien/sink/ws_admission.h"

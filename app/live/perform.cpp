@@ -156,21 +156,21 @@ Result<void> run_both(const PerformOptions& options) {
     network.start = &start;
     try {
       auto sent = perform_to_network(options.request, network);
-      if (!sent || sent->stopped) start.stop();
+      if (!sent || sent->stopped) start.stopped = true;
       return sent;
     } catch (const std::exception& error) {
-      start.stop();
+      start.stopped = true;
       return fail(ErrorCode::internal, error.what(), options.network.to);
     }
   };
   std::future<Result<NetworkSummary>> boards = std::async(std::launch::async, boards_send);
   // Before the boards are waited for, however this ends.
-  const std::unique_ptr<SharedStart, void (*)(SharedStart*)> ends(&start,
-                                                                  [](SharedStart* at) { at->stop(); });
+  const std::unique_ptr<SharedStart, void (*)(SharedStart*)> ends(
+      &start, [](SharedStart* at) { at->stopped = true; });
   CameraOptions camera = camera_options(options, options.cameras);
   camera.start = &start;
   const Result<CameraSummary> offered = perform_to_cameras(options.request, camera);
-  if (!offered || offered->stopped) start.stop();
+  if (!offered || offered->stopped) start.stopped = true;
   const Result<NetworkSummary> sent = boards.get();
   clear_progress();
   if (!sent) return std::unexpected(sent.error());

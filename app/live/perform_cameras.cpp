@@ -12,7 +12,6 @@
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -20,7 +19,6 @@
 #include <vector>
 
 #include "app/command.h"
-#include "app/live/perform_network.h"
 #include "mien/core/host_port.h"
 #include "mien/face/motion.h"
 #include "mien/live/picture_server.h"
@@ -315,11 +313,11 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
   if (options.ahead) {
     const Progress shown = terminal_progress("perform");
     MIEN_TRY_ASSIGN(const bool rendered, film.render_all([&](double share, std::string_view what) {
-      return shown(share, what) && !(options.start != nullptr && options.start->stopped());
+      return shown(share, what) && !(options.start != nullptr && options.start->stopped);
     }));
     summary.stopped = !rendered;
   }
-  if (options.start != nullptr) options.start->set_cameras_on();
+  if (options.start != nullptr) options.start->cameras_on = true;
   if (options.wait_s > 0 && !summary.stopped) {
     clear_progress();
     fmt::print(stderr, "mien: {}: waiting {:.0f} s until all {} cameras are asked for (--wait)\n", options.to,
@@ -331,10 +329,10 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
   while (!summary.stopped && (film.next_s() || cameras.left() > 0)) {
     const double now_s = std::chrono::duration<double>(Cameras::Clock::now() - on).count();
     if (!begun) summary.watched = cameras.watched();
-    const bool others_ready = options.start == nullptr || options.start->boards_ready();
+    const bool others_ready = options.start == nullptr || options.start->boards_ready;
     if (!begun && others_ready && (summary.watched == summary.cameras || now_s >= options.wait_s)) {
       const double begin_s = film.begin(now_s + virt::kDeviceMarginS + to_seconds(kBoardsLookUp));
-      if (options.start != nullptr) options.start->begin(on + clock_duration(begin_s));
+      if (options.start != nullptr) options.start->begin = on + clock_duration(begin_s);
       begun = true;
     }
     if (const auto performed_s = film.performed_s(now_s)) {
@@ -348,7 +346,7 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
     } else {
       summary.stopped = !progress(0, "waiting");
     }
-    if (options.start != nullptr && options.start->stopped()) summary.stopped = true;
+    if (options.start != nullptr && options.start->stopped) summary.stopped = true;
     const std::uint64_t skipped = film.skip_until(now_s);
     if (begun) summary.skipped += skipped;
     const auto next_s = film.next_s();

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "app/live/shared_start.h"
+#include "app/live/perform_network.h"
 #include "mien/core/error.h"
 #include "mien/virtual/stage.h"
 

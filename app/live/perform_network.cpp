@@ -10,7 +10,6 @@
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <set>
@@ -186,7 +185,7 @@ Result<bool> Broadcast::wait_for_an_answer(const Progress& progress) {
     MIEN_TRY(send_due());
     const HostTime at = now();
     const std::size_t count = answered();
-    if (!since && (options_.start == nullptr || options_.start->cameras_on())) since = at;
+    if (!since && (options_.start == nullptr || options_.start->cameras_on)) since = at;
     if (count > 0 && !first_answer) first_answer = at;
     if (since && (count == summary_.listening || at - *since >= patience ||
                   (first_answer && at - *first_answer >= kOthersAnswer)))
@@ -196,7 +195,7 @@ Result<bool> Broadcast::wait_for_an_answer(const Progress& progress) {
       clear_progress();
       fmt::print(stderr, "mien: {}: waiting {:.0f} s for an answer (--wait)\n", options_.to, options_.wait_s);
     }
-    if (!progress(0, "waiting") || (options_.start != nullptr && options_.start->stopped())) return false;
+    if (!progress(0, "waiting") || (options_.start != nullptr && options_.start->stopped)) return false;
     sleep_until(since ? std::min(at + kLookUp, *since + patience) : at + kLookUp);
   }
 }
@@ -205,13 +204,13 @@ Result<bool> Broadcast::wait_for_an_answer(const Progress& progress) {
 Result<std::optional<HostTime>> Broadcast::agree_on_start(const Progress& progress) {
   // Devices are on a little before the performance begins.
   if (options_.start == nullptr) return now() + from_seconds(virt::kDeviceMarginS);
-  options_.start->set_boards_ready();
-  while (!options_.start->begun()) {
+  options_.start->boards_ready = true;
+  while (options_.start->begin.load() == Clock::time_point()) {
     MIEN_TRY(send_due());
-    if (options_.start->stopped() || !progress(0, "waiting")) return std::nullopt;
+    if (options_.start->stopped || !progress(0, "waiting")) return std::nullopt;
     sleep_until(now() + kLookUp);
   }
-  return HostTime(*options_.start->begun() - opened_);
+  return HostTime(options_.start->begin.load() - opened_);
 }
 
 Result<void> Broadcast::simulate_ahead(HostTime at) {
@@ -255,7 +254,7 @@ Result<NetworkSummary> Broadcast::run() {
         std::min(0.999, share), summary_.listening == 0
                                     ? fmt::format("{} nodes", nodes_.size())
                                     : fmt::format("{} of {} nodes answered", answered(), summary_.listening));
-    if (options_.start != nullptr && options_.start->stopped()) summary_.stopped = true;
+    if (options_.start != nullptr && options_.start->stopped) summary_.stopped = true;
 
     HostTime next = at + kLookUp;
     for (std::size_t n = 0; n < nodes_.size(); ++n) next = std::min(next, nodes_[n].due());

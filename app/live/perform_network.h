@@ -1,14 +1,14 @@
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 
-#include "app/live/shared_start.h"
 #include "mien/core/error.h"
 #include "mien/sensor/seal.h"
 #include "mien/virtual/node_group.h"
@@ -29,6 +29,17 @@ struct NetworkTarget {
 
 /// Whether the rig has sensors that send of themselves: any but cameras, which are asked.
 [[nodiscard]] bool has_senders(const sensor::Rig& rig);
+
+/// When a performance begins that goes out in two ways, each on a thread of its own: boards that send, and
+/// cameras that are asked. The cameras say when, once the boards are ready.
+struct SharedStart {
+  using Clock = std::chrono::steady_clock;
+  std::atomic<bool> cameras_on = false;    ///< Pictures can be asked for: what was rendered first is over.
+  std::atomic<bool> boards_ready = false;  ///< Their receiver has answered, or is not waited for any longer.
+  std::atomic<bool> stopped = false;       ///< One of the two has failed or was stopped: the other ends, too.
+  /// The performance's time 0, which lies ahead; that of the clock: not known yet.
+  std::atomic<Clock::time_point> begin = Clock::time_point();
+};
 
 struct NetworkOptions {
   std::string to;                 ///< As parse_target() takes it.

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "mien/core/error.h"
+#include "mien/live/dataset_shelf.h"
 #include "mien/session/prompt_script.h"
 
 namespace mien::app {
@@ -13,5 +15,11 @@ namespace mien::app {
 /// draws the same. Errors: the file's; not_found (no such script); bad_usage (no number). Cost of drawing:
 /// some seconds.
 [[nodiscard]] Result<session::PromptScript> load_prompts(const std::string& what);
+
+/// What a page may have performers read and do for a dataset: these files, and those of prompts/ whose
+/// prompts belong to blocks. Of one name the first counts. Errors: the files'; malformed (no prompt of one of
+/// `own` belongs to a block).
+[[nodiscard]] Result<std::vector<live::RecordingScript>> recording_scripts(
+    const std::vector<std::string>& own);
 
 }  // namespace mien::app

@@ -11,7 +11,6 @@
 #include "app/command.h"
 #include "app/live/live_command.h"
 #include "app/live/live_session.h"
-#include "app/live/phones_beside.h"
 #include "app/live/prompt_source.h"
 
 namespace mien::app {
@@ -71,7 +70,6 @@ class RecordingLine {
 
 Result<void> run_record(RecordOptions options) {
   LiveRequest& request = options.request;
-  std::FILE* const out = options.json ? stderr : stdout;
   request.only_record = true;
   request.script = "recording";
   std::string asked;
@@ -84,23 +82,9 @@ Result<void> run_record(RecordOptions options) {
     request.prompts = std::move(script.prompts);
   }
   MIEN_TRY_ASSIGN(const LiveSession session, open_live(std::move(request)));
-  print_opening(out, session);
-  if (!asked.empty()) fmt::print(out, "{}\n", asked);
-  std::fflush(out);
   RecordingLine line;
-  live::EngineListener listener;
-  listener.told = [out](const std::string& news) {
-    clear_progress();
-    fmt::print(out, "{}\n", news);
-    std::fflush(out);
-  };
-  listener.seen = [&line, &listener, phones = PhonesBeside()](const live::Status& status) mutable {
-    for (const std::string& news : phones.tell(status.report)) listener.told(news);
-    line.show(status);
-  };
-  MIEN_TRY_ASSIGN(const live::EngineSummary summary, session.engine->run(stop_asked(), listener));
-  clear_progress();
-  return print_closing(summary, options.json);
+  return run_session(session, options.json, asked,
+                     [&line](const live::Status& status) { line.show(status); });
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 
 #include "app/live/session_client.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>

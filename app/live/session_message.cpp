@@ -123,8 +123,6 @@ Result<void> read_prompts(const nlohmann::json& object, SessionStatus& status) {
   const nlohmann::json* prompts = find(object, "prompts");
   if (prompts == nullptr || !prompts->is_object()) return {};
   MIEN_TRY_ASSIGN(status.prompts, text_in(*prompts, "state"));
-  MIEN_TRY_ASSIGN(const std::int64_t number, whole_in(*prompts, "number"));
-  status.prompt_number = static_cast<std::size_t>(std::max<std::int64_t>(0, number));
   return {};
 }
 

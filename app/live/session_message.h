@@ -28,9 +28,8 @@ struct SessionStatus {
   std::vector<Link> links;
   /// As the session reports it, without `target` and the versions' own JSON.
   session::Report::Calibration calibration;
-  std::string
-      prompts;  ///< State of what is asked for, as session::Report::Prompts has it; empty: nothing is.
-  std::size_t prompt_number = 0;  ///< Of the present one, from 1.
+  /// State of what is asked for, as session::Report::Prompts has it; empty: nothing is.
+  std::string prompts;
   /// The dataset's recording that runs, or ran last.
   struct Dataset {
     std::string take;  ///< Its file's name.

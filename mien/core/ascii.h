@@ -14,4 +14,9 @@ namespace mien {
   return std::ranges::equal(a, b, [](char x, char y) { return ascii_lower(x) == ascii_lower(y); });
 }
 
+/// Whether a text has control characters, which a terminal would obey.
+[[nodiscard]] constexpr bool has_control(std::string_view text) {
+  return std::ranges::any_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+}
+
 }  // namespace mien

@@ -1,7 +1,5 @@
 #include "mien/live/byte_ring.h"
 
-#include <cstring>
-
 namespace mien::live {
 namespace {
 

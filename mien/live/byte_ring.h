@@ -1,14 +1,18 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 
 namespace mien::live {
 
-/// As Ring, of records of any length: one thread writes, one reads. A record that does not fit is refused
+/// A queue of records of any length: one thread writes, one reads. A record that does not fit is refused
 /// whole. A record that is claimed while nothing waits stands at the front of the ring's memory, so that one
 /// which is emptied now and then touches only what came in between: the machine is asked for the rest of a
 /// large ring only when it fills. No lock, no allocation after construction.
@@ -20,9 +24,29 @@ class ByteRing {
   /// Room for a record of `size` bytes, or an empty span when there is none now; publish() hands it over.
   [[nodiscard]] std::span<std::byte> claim(std::size_t size);
   void publish();
+  /// Both, for a record that begins with a plain struct. False when there is no room now.
+  template <class Head>
+  [[nodiscard]] bool put(const Head& head, std::span<const std::byte> bytes,
+                         std::span<const std::byte> more = {}) {
+    const std::span<std::byte> room = claim(sizeof(head) + bytes.size() + more.size());
+    if (room.empty()) return false;
+    std::memcpy(room.data(), &head, sizeof(head));
+    std::ranges::copy(more, std::ranges::copy(bytes, room.begin() + sizeof(head)).out);
+    publish();
+    return true;
+  }
 
   /// The oldest record, empty when there is none; it stays valid until release().
   [[nodiscard]] std::span<const std::byte> front();
+  /// The same of one that put() wrote: its head, and what is behind it.
+  template <class Head>
+  [[nodiscard]] std::optional<std::pair<Head, std::span<const std::byte>>> front_of() {
+    const std::span<const std::byte> record = front();
+    if (record.empty()) return std::nullopt;
+    Head head{};
+    std::memcpy(&head, record.data(), sizeof(head));
+    return std::pair(head, record.subspan(sizeof(head)));
+  }
   void release();
 
  private:

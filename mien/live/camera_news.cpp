@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace mien::live {
 
-std::optional<CameraNews::Sentence> CameraNews::tell(HostTime now, const CameraStatus& camera) {
+std::optional<Sentence> CameraNews::tell(HostTime now, const CameraStatus& camera) {
   if (!camera.open && camera.problem.empty()) return std::nullopt;  // Nothing is known.
   const std::uint64_t losses = camera.lost - losses_;
   if (said_anything_ && losses == 0 && said_ == camera.problem) return std::nullopt;
@@ -20,6 +22,25 @@ std::optional<CameraNews::Sentence> CameraNews::tell(HostTime now, const CameraS
   said_anything_ = true;
   losses_ = camera.lost;
   return Sentence{camera.open ? "camera" : "camera_lost", std::move(text)};
+}
+
+std::vector<Sentence> LineNews::tell(HostTime now, std::span<const SerialPort::Status> lines) {
+  lines_.resize(lines.size());
+  std::vector<Sentence> out;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const SerialPort::Status& line = lines[i];
+    Line& known = lines_[i];
+    const bool changed = line.open != std::exchange(known.open, line.open);
+    if (line.camera) {
+      if (auto news = known.camera.tell(now, *line.camera)) out.push_back(*std::move(news));
+    } else if (changed && line.open) {
+      out.push_back({"line_back", line.address + " is back"});
+    } else if (changed) {
+      out.push_back(
+          {"line_lost", line.address + " is " + line.problem + "; it is opened again when it is back"});
+    }
+  }
+  return out;
 }
 
 }  // namespace mien::live

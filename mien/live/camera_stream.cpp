@@ -9,6 +9,7 @@
 #include <boost/asio/connect.hpp>
 #include <boost/asio/write.hpp>
 
+#include "mien/core/ascii.h"
 #include "mien/core/excerpt.h"
 #include "mien/core/host_port.h"
 
@@ -66,8 +67,7 @@ Result<CameraAddress> parse_camera_address(std::string_view text) {
   if (!host) return bad(host.error().what);
   address.host = host->host;
   // Names of hosts know no capitals: two that differ in them are one camera.
-  std::ranges::transform(address.host, address.host.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  std::ranges::transform(address.host, address.host.begin(), ascii_lower);
   address.port = host->port.value_or(kHttpPort);
   if (address.host.empty() || !std::ranges::all_of(address.host, is_letter_of_host)) return bad("no host");
   if (address.port == 0) return bad("port 0");

@@ -6,15 +6,12 @@
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 
 #include "mien/core/error.h"
-#include "mien/core/time.h"
 #include "mien/live/camera_pictures.h"
-#include "mien/live/camera_status.h"
 #include "mien/live/name_lookup.h"
 #include "mien/sensor/payload_stream.h"
 

@@ -1,22 +1,15 @@
 #include "mien/live/dataset_recording.h"
 
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "mien/live/asked_prompts.h"
-#include "mien/live/page_requests.h"
+#include "mien/session/json_fields.h"
 
 namespace mien::live {
-namespace {
 
 using nlohmann::json;
-
-bool flag_field(const json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_boolean() && found->get<bool>();
-}
-
-}  // namespace
+using session::flag_field;
+using session::text_field;
 
 Result<DatasetWish> dataset_wish(const json& begin) {
   if (!begin.is_object())
@@ -67,9 +60,7 @@ std::vector<session::Command> DatasetRecording::begin(const DatasetPlan& plan, s
                  .performer = plan.wish.consent.performer,
                  .take = plan.take.filename().string(),
                  .lines = plan.prompts.size(),
-                 .done = plan.done,
-                 .over = false,
-                 .error = {}};
+                 .done = plan.done};
   ending_ = asked_ = false;
   using Do = session::Prompting::Do;
   std::vector<session::Command> commands;

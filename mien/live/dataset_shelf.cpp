@@ -83,14 +83,11 @@ void DatasetShelf::run(const std::stop_token& stop) {
 
 const DatasetShelf::Recorded* DatasetShelf::recorded_in(const std::filesystem::path& take) {
   if (stop_.stop_requested()) return nullptr;
-  std::error_code gone;
-  Version version;
-  version.written = std::filesystem::last_write_time(take, gone);
-  if (!gone) version.bytes = std::filesystem::file_size(take, gone);
-  if (gone) return nullptr;
+  const auto version = FileVersion::of(take);
+  if (!version) return nullptr;
   Recorded& known = known_[take];
-  if (known.of == version) return &known;
-  known = {.of = version, .performer = {}, .lines = {}};
+  if (known.of == *version) return &known;
+  known = {.of = *version};
   const auto opened = take::Take::open(take);
   if (!opened) return &known;
   const auto events = opened->events();

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/live/take_listing.h"
 #include "mien/session/consent.h"
 #include "mien/session/prompt_script.h"
 
@@ -78,16 +79,10 @@ class DatasetShelf {
   void plan(DatasetWish wish, std::filesystem::path growing, std::function<void(Result<DatasetPlan>)> answer);
 
  private:
-  /// What tells a file that was written to from the one that was read.
-  struct Version {
-    std::uintmax_t bytes = 0;
-    std::filesystem::file_time_type written;
-    bool operator==(const Version&) const = default;
-  };
   /// What a line is known by in any take: name and text.
   using LineKey = std::pair<std::string, std::string>;
   struct Recorded {
-    Version of;
+    FileVersion of;
     std::string performer;    ///< Empty: nobody consented, or it cannot be read.
     std::set<LineKey> lines;  ///< Recorded well.
   };

@@ -73,7 +73,7 @@ void Engine::State::take_answers() {
         const std::string words(space == std::string_view::npos ? std::string_view()
                                                                 : text.substr(space + 1));
         // Of what was played to its end that is told, and no loss.
-        if (kind == "sensor_lost" && std::ranges::any_of(hearing.over(), [&](const std::string& sensor) {
+        if (kind == "sensor_lost" && std::ranges::any_of(feeds.over(), [&](const std::string& sensor) {
               return words == LinkNews::loss_text(sensor);
             }))
           break;
@@ -122,12 +122,11 @@ void Engine::State::on_beat() {
     pieces[piece].clear();
     look_at_interfaces();
   }
-  for (const RecordingNews::Sentence& news : recording_news.tell(recorder.state(), recorder.take_ended()))
+  for (const Sentence& news : recording_news.tell(recorder.state(), recorder.take_ended()))
     tell(news.kind, news.text);
-  for (const CameraNews::Sentence& news : line_news.tell(now(), intake.lines())) tell(news.kind, news.text);
+  for (const Sentence& news : line_news.tell(now(), intake.lines())) tell(news.kind, news.text);
   intake.fast_senders(fast_senders);
-  for (const FastSenderNews::Sentence& news : fast_sender_news.tell(now(), fast_senders))
-    tell(news.kind, news.text);
+  for (const Sentence& news : fast_sender_news.tell(now(), fast_senders)) tell(news.kind, news.text);
   for (Outlet& outlet : outlets) {
     const sink::Status state = outlet.sink->status();
     // A receiver that is there and not there by turns is told of once.
@@ -135,27 +134,26 @@ void Engine::State::on_beat() {
     outlet.told = state.note;
     tell("sink", state.address + ": " + state.note);
   }
+  const session::Report report = loop.report();
   if (!told_silent && std::chrono::steady_clock::now() - begun > kSilence) {
     told_silent = true;
-    if (const session::Report report = loop.report(); report.frames == 0) {
+    if (report.frames == 0) {
       const Intake::Counts counts = intake.counts();
       tell("nothing_heard",
            unheard_text(why_unheard({counts.received, counts.elsewhere, settings.sealed}, report), report));
     }
   }
   if (!told_uncalibrated) {
-    const session::Report report = loop.report();
     told_uncalibrated = report.frames > kUncalibratedFrames;
     if (told_uncalibrated && report.calibration.state == "watching")
       tell("not_calibrated",
            "nothing is calibrated yet, so the face stays neutral: " + report.calibration.prompt);
   }
-  const session::Report report = loop.report();
   if (const auto silence = unheard_microphone.tell(now(), session->rig(), report))
     tell("microphone_missing", *silence);
   look_at_video();
   follow_recordings(recorder.state(), report);
-  hearing.look(report.hearing ? std::optional(report.hearing->on) : std::nullopt, page.get());
+  feeds.look(report.hearing ? std::optional(report.hearing->on) : std::nullopt, page.get());
   // A take's face has no part in what cameras see now.
   if (page && pictures.watched(*page) && !player.on()) pictures.look(report.links, *page);
   const bool watched = page && page->clients() > 0;
@@ -171,7 +169,7 @@ bool Engine::State::recording_is_over() const {
 }
 
 std::vector<CameraStatus> Engine::State::cameras() const {
-  std::vector<CameraStatus> all = hearing.cameras();
+  std::vector<CameraStatus> all = feeds.cameras();
   for (SerialPort::Status& line : intake.lines())
     if (line.camera) all.push_back(*std::move(line.camera));
   return all;
@@ -181,7 +179,7 @@ Status Engine::State::status() const {
   Status out;
   out.report = loop.report();
   out.missed = loop.missed();
-  out.hearing = hearing.state();
+  out.hearing = feeds.state();
   out.pictures = pictures.state();
   for (const Latencies& part : pieces) out.latency += part;
   for (const Outlet& outlet : outlets) out.sinks.push_back({outlet.id, outlet.on, outlet.sink->status()});
@@ -196,11 +194,7 @@ Status Engine::State::status() const {
   std::error_code ignored;
   const auto bytes = std::filesystem::file_size(out.recording.path, ignored);
   if (!ignored) out.recording_megabytes = static_cast<double>(bytes) / 1e6;
-  if (player.on()) {
-    const Player::View view = player.view(now());
-    out.replay =
-        ReplayState{view.take, view.time_s, view.duration_s, view.paused, view.has_truth, view.error};
-  }
+  if (player.on()) out.replay = player.view(now());
   return out;
 }
 
@@ -268,8 +262,8 @@ Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
   }
   std::ranges::copy_if(state->listening, std::back_inserter(state->open), is_on_every_interface);
   state->pictures.open(state->settings.feeds);
-  MIEN_TRY(state->hearing.open(std::move(state->settings.feeds), state->settings.hear, state->settings.shut,
-                               state->intake));
+  MIEN_TRY(state->feeds.open(std::move(state->settings.feeds), state->settings.hear, state->settings.shut,
+                             state->intake));
   state->look_at_interfaces();
   for (const std::string& address : state->settings.out) MIEN_TRY(state->add_sink(address));
   if (state->settings.page) {
@@ -323,11 +317,11 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   s.wait_for_answers();
   s.wait_for_beat();
   s.loop.start();
-  s.hearing.begin([&s](std::string kind, std::string said) {
+  s.feeds.begin([&s](std::string kind, std::string said) {
     asio::post(s.network, [&s, kind = std::move(kind), said = std::move(said)] { s.tell(kind, said); });
   });
   s.network.run();
-  s.hearing.end();
+  s.feeds.end();
   s.video.close(s.now());
   s.look_at_video();
   s.loop.stop();

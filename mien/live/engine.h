@@ -12,7 +12,7 @@
 
 #include "mien/core/error.h"
 #include "mien/live/dataset_shelf.h"
-#include "mien/live/hearing.h"
+#include "mien/live/feeds.h"
 #include "mien/live/latency.h"
 #include "mien/live/page_messages.h"
 #include "mien/live/page_server.h"

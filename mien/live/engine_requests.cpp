@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "mien/live/page_messages.h"
 #include "mien/live/page_requests.h"
 #include "mien/sensor/rig_part.h"
 #include "mien/session/command.h"
+#include "mien/session/json_fields.h"
 #include "mien/shaping/merge.h"
 
 // What pages ask of a session.
@@ -17,6 +17,8 @@ namespace mien::live {
 namespace {
 
 using nlohmann::json;
+using session::dumped;
+using session::text_field;
 
 /// Half a frame: none of a take that is played is shown late by more.
 constexpr auto kPlayStep = std::chrono::milliseconds(8);
@@ -27,11 +29,6 @@ constexpr const char* kHeardWithoutConsent =
     "this session has heard sound already, which its takes hold, and the performer agreed to none";
 
 constexpr const char* kDropped = "it was ended before it began";
-
-/// Names of files need not be UTF-8.
-std::string dumped(const json& object) {
-  return object.dump(-1, ' ', false, json::error_handler_t::replace);
-}
 
 /// Whether a microphone was ever received.
 bool has_heard_sound(const sensor::Rig& rig, const session::Report& report) {
@@ -99,7 +96,7 @@ Result<std::string> Engine::State::execute(std::uint64_t client, const json& com
   if (name == "pair") return execute_pair();
   if (name == "microphone") {
     MIEN_TRY_ASSIGN(const bool on, switch_field(command, name));
-    MIEN_TRY(hearing.microphone(client, on, *page));
+    MIEN_TRY(feeds.microphone(client, on, *page));
     return std::string();
   }
   if (name == "video") return execute_video(client, command);
@@ -125,7 +122,7 @@ void Engine::State::answer_record(const json& command, const Answered& answered)
   const Result<std::filesystem::path> path = take_path(settings.takes, text_field(command, "name"));
   if (!path) return answered(std::unexpected(path.error()));
   start_recording(*path, settings.header, [answered, take = *path](const Result<void>& started) {
-    answered(started ? Result<std::string>(dumped(json({{"take", take.string()}})))
+    answered(started ? Result<std::string>(dumped({{"take", take.string()}}))
                      : std::unexpected(started.error()));
   });
 }
@@ -204,7 +201,7 @@ Result<std::string> Engine::State::go_through(const DatasetPlan& plan) {
                 "try again");
   }
   if (plan.wish.consent.video) video.allow(plan.take);
-  return dumped(json({{"take", plan.take.string()}, {"lines", plan.prompts.size()}, {"done", plan.done}}));
+  return dumped({{"take", plan.take.string()}, {"lines", plan.prompts.size()}, {"done", plan.done}});
 }
 
 bool Engine::State::tell_session(const std::vector<session::Command>& commands) {
@@ -256,7 +253,7 @@ void Engine::State::on_bytes(std::uint64_t client, std::span<const std::byte> by
   if (is_video_message(bytes))
     video.take(client, bytes, now());
   else
-    hearing.take(client, bytes);
+    feeds.take(client, bytes);
 }
 
 void Engine::State::look_at_video() {
@@ -266,7 +263,7 @@ void Engine::State::look_at_video() {
     for (const VideoRecording::News::Event& event : news.events)
       recorder.note({event.kind, newest, newest, event.json});
   }
-  for (const VideoRecording::News::Sentence& sentence : news.sentences) tell(sentence.kind, sentence.text);
+  for (const Sentence& sentence : news.sentences) tell(sentence.kind, sentence.text);
   for (const VideoRecording::News::Stop& stop_it : news.stops)
     if (page) page->send(stop_it.client, video_json(stop_it.why, stop_it.again));
 }
@@ -327,7 +324,7 @@ Result<void> Engine::State::begin_lesson(const Answered& answered) {
           return give_up({ErrorCode::out_of_range, "the session is too busy to take the script",
                           "learn_phone", "try again"});
         lesson.recording_begun();
-        answered(dumped(json({{"take", path.string()}})));
+        answered(dumped({{"take", path.string()}}));
       });
   return {};
 }
@@ -371,10 +368,10 @@ Result<std::string> Engine::State::execute_listen(const json& command) {
 Result<std::string> Engine::State::execute_pair() {
   if (!settings.pair) return fail(ErrorCode::unsupported, "this session pairs nothing", "pair");
   MIEN_TRY_ASSIGN(const Pairing made, settings.pair());
-  return dumped(json({{"file", made.file},
-                      {"firmware", made.firmware},
-                      {"command", made.command},
-                      {"in_force", settings.sealed}}));
+  return dumped({{"file", made.file},
+                 {"firmware", made.firmware},
+                 {"command", made.command},
+                 {"in_force", settings.sealed}});
 }
 
 Result<std::string> Engine::State::execute_replay(const json& command) {

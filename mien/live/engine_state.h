@@ -18,12 +18,12 @@
 #include <string_view>
 #include <vector>
 
+#include "mien/live/camera_news.h"
 #include "mien/live/dataset_recording.h"
 #include "mien/live/dataset_shelf.h"
 #include "mien/live/engine.h"
 #include "mien/live/fast_sender_news.h"
 #include "mien/live/intake.h"
-#include "mien/live/line_news.h"
 #include "mien/live/page_pictures.h"
 #include "mien/live/phone_lesson.h"
 #include "mien/live/recorder.h"
@@ -128,7 +128,7 @@ struct Engine::State {
   Intake intake;
   Recorder recorder;
   TrackerLoop loop;
-  Hearing hearing;  // Before what its feeds fill is gone they have ended.
+  Feeds feeds;  // Before what they fill is gone they have ended.
   PagePictures pictures;
   Player player;
   TakeListing listing;

@@ -48,7 +48,7 @@ void FastSenderNews::measure(HostTime now, const Intake::FastSender& one) {
   sender.dropped = one.dropped;
 }
 
-FastSenderNews::Sentence FastSenderNews::begun(std::span<Sender* const> senders) {
+Sentence FastSenderNews::begun(std::span<Sender* const> senders) {
   const Sender& first = *senders.front();
   const std::string who =
       senders.size() == 1
@@ -61,8 +61,7 @@ FastSenderNews::Sentence FastSenderNews::begun(std::span<Sender* const> senders)
                       who, Intake::kMaxRatePerPeer)};
 }
 
-std::vector<FastSenderNews::Sentence> FastSenderNews::tell(HostTime now,
-                                                           std::span<const Intake::FastSender> senders) {
+std::vector<Sentence> FastSenderNews::tell(HostTime now, std::span<const Intake::FastSender> senders) {
   for (auto& [peer, sender] : senders_) sender.here = false;
   for (const Intake::FastSender& one : senders) measure(now, one);
   std::vector<Sender*> fast;

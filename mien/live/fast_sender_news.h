@@ -11,6 +11,7 @@
 
 #include "mien/core/time.h"
 #include "mien/live/intake.h"
+#include "mien/live/sentence.h"
 
 namespace mien::live {
 
@@ -21,11 +22,8 @@ class FastSenderNews {
  public:
   static constexpr Duration kQuiet = std::chrono::seconds(10);
 
-  struct Sentence {
-    std::string kind;  ///< "packets_lost" or "packets_taken".
-    std::string text;
-  };
-  /// `senders`: Intake::fast_senders(). From time to time, `now` never runs back.
+  /// "packets_lost" or "packets_taken". `senders`: Intake::fast_senders(). From time to time, `now` never
+  /// runs back.
   [[nodiscard]] std::vector<Sentence> tell(HostTime now, std::span<const Intake::FastSender> senders);
 
  private:

@@ -6,6 +6,8 @@
 #include <exception>
 
 #include "mien/live/intake.h"
+#include "mien/live/page_messages.h"
+#include "mien/live/page_server.h"
 
 namespace mien::live {
 namespace {
@@ -15,87 +17,117 @@ constexpr Duration kAnswered = std::chrono::seconds(1);
 
 }  // namespace
 
-Result<void> Feeds::open(std::vector<Feed> feeds, bool wanted, Intake& intake) {
-  want(wanted);
+std::uint64_t FeedPort::handed_over() const {
+  const PayloadSource::Counts counts = source_.counts();
+  // Of different moments: a datagram that is refused meanwhile may be in one and not in the other.
+  return counts.received - std::min(counts.received, counts.too_long + counts.overrun);
+}
+
+Result<void> Feeds::open(std::vector<Feed> feeds, bool wanted, bool shut, Intake& intake) {
+  wanted_ = wanted;
+  shut_ = shut;
   intake_ = &intake;
-  feeds_ = std::move(feeds);
-  for (const Feed& feed : feeds_) {
-    MIEN_TRY_ASSIGN(sources_.emplace_back(), intake.add_source(feed.name));
-    states_.emplace_back();
+  for (Feed& feed : feeds) {
+    MIEN_TRY_ASSIGN(PayloadSource* const source, intake.add_source(feed.name));
+    running_.emplace_back(std::move(feed), *source, *this);
   }
   return {};
 }
 
 void Feeds::begin(FeedPort::Tell tell) {
   tell_ = std::move(tell);
-  for (std::size_t i = 0; i < feeds_.size(); ++i)
-    threads_.emplace_back([this, &feed = feeds_[i], source = sources_[i], &state = states_[i]] {
-      FeedPort port(*source, stop_, wanted_, tell_, state);
-      try {
-        feed.run(port);
-        if (!stop_) {
-          state.set_over();
-          tell_("feed_over", feed.name + " is over");
-        }
-      } catch (const std::exception& error) {
-        const std::string why = feed.name + " ended: " + error.what();
-        tell_("feed_failed", why);
-        state.set_trouble(why);
-      }
-    });
+  for (Running& one : running_) threads_.emplace_back([this, &one] { run(one); });
 }
 
-void Feeds::look_for_answers() {
-  for (FeedState& one : states_) {
-    const std::string host = one.awaited();
-    if (host.empty()) continue;
-    boost::system::error_code code;
-    const auto address = boost::asio::ip::make_address(host, code);
-    one.set_answered(!code && intake_->hears(address, kAnswered));
+void Feeds::run(Running& one) {
+  try {
+    one.feed.run(one.port);
+    if (stop_) return;
+    one.over = true;
+    tell_("feed_over", one.feed.name + " is over");
+  } catch (const std::exception& error) {
+    const std::string why = one.feed.name + " ended: " + error.what();
+    tell_("feed_failed", why);
+    one.port.trouble(why);
   }
-}
-
-std::string Feeds::trouble() const {
-  for (const FeedState& one : states_)
-    if (std::string text = one.trouble(); !text.empty()) return text;
-  return {};
-}
-
-std::vector<CameraStatus> Feeds::cameras() const {
-  std::vector<CameraStatus> all;
-  for (const FeedState& one : states_)
-    if (auto camera = one.camera()) all.push_back(*std::move(camera));
-  return all;
-}
-
-std::uint64_t Feeds::handed_over() const {
-  std::uint64_t sum = 0;
-  for (std::size_t i = 0; i < feeds_.size(); ++i) {
-    if (!feeds_[i].heard) continue;
-    const PayloadSource::Counts counts = sources_[i]->counts();
-    // Of different moments: a datagram that is refused meanwhile may be in one and not in the other.
-    const std::uint64_t refused = counts.too_long + counts.overrun;
-    sum += counts.received - std::min(counts.received, refused);
-  }
-  return sum;
-}
-
-std::vector<std::string> Feeds::over() const {
-  std::vector<std::string> sensors;
-  for (std::size_t i = 0; i < feeds_.size(); ++i)
-    if (!feeds_[i].sensor.empty() && states_[i].over()) sensors.push_back(feeds_[i].sensor);
-  return sensors;
-}
-
-PageInlet* Feeds::inlet() const {
-  for (const Feed& feed : feeds_)
-    if (feed.inlet) return feed.inlet.get();
-  return nullptr;
 }
 
 void Feeds::end() {
   stop_ = true;
   threads_.clear();  // Joined.
+}
+
+Result<void> Feeds::microphone(std::uint64_t client, bool on, PageServer& page) {
+  PageInlet* const inlet = this->inlet();
+  if (inlet == nullptr)
+    return fail(ErrorCode::unsupported,
+                shut_ ? "the session was started with every microphone shut (--no-audio)"
+                      : "the session hears no browser's microphone",
+                "microphone", "start it with --audio page");
+  if (!on) {
+    if (inlet->admitted() == client) inlet->admit(0);
+    return {};
+  }
+  if (!wanted_)
+    return fail(ErrorCode::bad_usage, "the voice is switched off", "microphone", "switch it on first");
+  if (inlet->admitted() != client) release(page, "Another browser's microphone is heard instead.");
+  inlet->admit(client);
+  return {};
+}
+
+void Feeds::take(std::uint64_t client, std::span<const std::byte> bytes) {
+  if (PageInlet* const inlet = this->inlet()) inlet->offer(client, bytes, PageInlet::Clock::now());
+}
+
+void Feeds::look(std::optional<bool> wanted, PageServer* page) {
+  wanted_ = wanted.value_or(wanted_);
+  for (Running& one : running_) {
+    const std::string host = one.port.state().awaited;
+    if (host.empty()) continue;
+    boost::system::error_code code;
+    const auto address = boost::asio::ip::make_address(host, code);
+    one.port.set_answered(!code && intake_->hears(address, kAnswered));
+  }
+  const PageInlet* const inlet = this->inlet();
+  if (inlet == nullptr || page == nullptr || inlet->admitted() == 0) return;
+  if (!wanted_ || !page->has(inlet->admitted())) release(*page, "");
+}
+
+void Feeds::release(PageServer& page, const std::string& why) {
+  PageInlet& inlet = *this->inlet();
+  if (const std::uint64_t before = inlet.admitted(); before != 0) page.send(before, microphone_json(why));
+  inlet.admit(0);
+}
+
+HearingState Feeds::state() const {
+  HearingState out{.shut = shut_};
+  for (const Running& one : running_) {
+    if (out.trouble.empty()) out.trouble = one.port.state().trouble;
+    if (one.feed.heard) out.handed_over += one.port.handed_over();
+  }
+  if (const PageInlet* const inlet = this->inlet())
+    out.browser = HearingState::Browser{.heard = inlet->admitted() != 0, .refused = inlet->refused()};
+  return out;
+}
+
+std::vector<CameraStatus> Feeds::cameras() const {
+  std::vector<CameraStatus> all;
+  for (const Running& one : running_)
+    if (auto camera = one.port.state().camera) all.push_back(*std::move(camera));
+  return all;
+}
+
+std::vector<std::string> Feeds::over() const {
+  std::vector<std::string> sensors;
+  for (const Running& one : running_)
+    if (!one.feed.sensor.empty() && one.over) sensors.push_back(one.feed.sensor);
+  return sensors;
+}
+
+PageInlet* Feeds::inlet() const {
+  for (const Running& one : running_)
+    if (one.feed.inlet) return one.feed.inlet.get();
+  return nullptr;
 }
 
 }  // namespace mien::live

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
-#include <cstring>
 
 #include "mien/core/bytes.h"
 #include "mien/core/host_port.h"
@@ -204,18 +203,15 @@ Result<std::string> Intake::listen_serial(std::string_view address, std::optiona
   PeerState* const peer = place_for_another(line.source());
   if (peer == nullptr) return fail(ErrorCode::bad_usage, "too many lines", line.source());
   const auto on_frame = [this, peer](std::span<const std::byte> frame) { take_frame(*peer, frame); };
-  Result<std::unique_ptr<SerialPort>> opened;
-  if (camera) {
-    auto queue = std::make_unique<PayloadSource>(peer->id, clock_, signal_);
-    opened = SerialPort::open(
-        network_, line, on_frame, *std::move(camera),
-        [queue = queue.get()](auto datagram, auto payload) { queue->hand_over(datagram, payload); }, clock_);
-    if (opened) sources_.emplace_back(std::move(queue), peer->name);
-  } else {
-    opened = SerialPort::open(network_, line, on_frame);
-  }
-  if (!opened) return std::unexpected(opened.error());  // Its place is a stranger's, and the first to go.
-  lines_.push_back(std::move(*opened));
+  auto queue = camera ? std::make_unique<PayloadSource>(peer->id, clock_, signal_) : nullptr;
+  // On an error its place is a stranger's, and the first to go.
+  MIEN_TRY_ASSIGN(lines_.emplace_back(), SerialPort::open(
+                                             network_, line, on_frame, std::move(camera),
+                                             [queue = queue.get()](auto datagram, auto payload) {
+                                               queue->hand_over(datagram, payload);
+                                             },
+                                             clock_));
+  if (queue) sources_.emplace_back(std::move(queue), peer->name);
   peer->budget = {kMaxRatePerPeer, clock_()};
   peer->asked_for = true;
   return fmt::format("{}?baud={}", line.source(), line.baud);
@@ -232,17 +228,13 @@ void Intake::take_frame(PeerState& peer, std::span<const std::byte> frame) {
 
 void Intake::hand_over(PeerState& peer, HostTime now, std::span<const std::byte> datagram) {
   peer.newest = now;
-  const std::span<std::byte> room = ring_.claim(sizeof(Head) + datagram.size());
-  if (room.empty()) {
+  const Head head{
+      Arrived::Kind::datagram, peer.id, static_cast<std::size_t>(&peer - peers_.data()), now, 0, 0};
+  if (!ring_.put(head, datagram)) {
     ++counts_.overrun;
     return;
   }
-  const Head head{
-      Arrived::Kind::datagram, peer.id, static_cast<std::size_t>(&peer - peers_.data()), now, 0, 0};
-  std::memcpy(room.data(), &head, sizeof(head));
-  if (!datagram.empty()) std::memcpy(room.data() + sizeof(head), datagram.data(), datagram.size());
   ++peer.handed_over;
-  ring_.publish();
   signal_.give();
 }
 
@@ -321,12 +313,8 @@ void Intake::fast_senders(std::vector<FastSender>& out) const {
 }
 
 bool Intake::command(std::uint64_t client, std::int64_t number, std::string_view json) {
-  const std::span<std::byte> room = ring_.claim(sizeof(Head) + json.size());
-  if (room.empty()) return false;
   const Head head{Arrived::Kind::command, 0, 0, clock_(), client, number};
-  std::memcpy(room.data(), &head, sizeof(head));
-  std::memcpy(room.data() + sizeof(head), json.data(), json.size());
-  ring_.publish();
+  if (!ring_.put(head, std::as_bytes(std::span(json)))) return false;
   signal_.give();
   return true;
 }
@@ -367,15 +355,13 @@ std::optional<Arrived> Intake::front() {
 }
 
 std::optional<Arrived> Intake::front_of_network() {
-  const std::span<const std::byte> record = ring_.front();
-  if (record.empty()) return std::nullopt;
-  Head head{};
-  std::memcpy(&head, record.data(), sizeof(head));
+  const auto record = ring_.front_of<Head>();
+  if (!record) return std::nullopt;
+  const auto& [head, bytes] = *record;
   front_peer_ = head.kind == Arrived::Kind::datagram ? &peers_[head.place] : nullptr;
   // Nobody else gets its place, and it no other name, before this datagram is judged.
   const std::string_view source = front_peer_ != nullptr ? front_peer_->name : std::string_view();
-  return Arrived{head.kind, head.arrival, head.peer, head.client, head.number, record.subspan(sizeof(head)),
-                 {},        source};
+  return Arrived{head.kind, head.arrival, head.peer, head.client, head.number, bytes, {}, source};
 }
 
 void Intake::release() {

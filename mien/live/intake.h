@@ -68,11 +68,11 @@ class Intake {
   ~Intake();
 
   /// Listens on udp://HOST:PORT; port 0 takes any. Broadcasts are heard. Or on serial:DEVICE[?baud=RATE].
-  /// Returns the address as text with its port or rate. Errors: bad_usage (not an address, taken), not_found.
-  [[nodiscard]] Result<std::string> listen(std::string_view address) { return listen(address, std::nullopt); }
-  /// `camera`: whose pictures come where the address is a serial line and a camera speaks on it. Before the
-  /// tracker's thread begins.
-  [[nodiscard]] Result<std::string> listen(std::string_view address, std::optional<LineCamera> camera);
+  /// `camera`: whose pictures come where the address is a serial line and a camera speaks on it; before the
+  /// tracker's thread begins. Returns the address as text with its port or rate. Errors: bad_usage (not an
+  /// address, taken), not_found.
+  [[nodiscard]] Result<std::string> listen(std::string_view address,
+                                           std::optional<LineCamera> camera = std::nullopt);
   /// From now on the ports on every interface (0.0.0.0, [::]) receive only what comes in there: an interface
   /// ("wlan0") or an address of this machine; empty: all again. Nothing is bound anew, so nobody there loses
   /// a datagram. Errors: bad_usage (neither is here; no port listens on every interface, or none of that

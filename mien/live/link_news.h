@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <span>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "mien/core/time.h"
+#include "mien/live/sentence.h"
 #include "mien/take/take.h"
 
 namespace mien::live {
@@ -23,31 +25,21 @@ class LinkNews {
   /// How the loss of one sensor is said, unless others are lost at once or it flaps.
   [[nodiscard]] static std::string loss_text(std::string_view sensor);
 
-  struct Sentence {
-    std::string kind;  ///< Of the newest event in it: "sensor_lost", "sensor_back", "face_lost", "face_back".
-    std::string text;  ///< "mentalis is lost".
-  };
-
   /// Whether an event of a session is told here.
   [[nodiscard]] static bool is_about_a_link(const take::Event& event);
-  /// Takes what happened at one moment (other events are passed over), and gives what is to be said now. To
-  /// be called from time to time without events too: what was held back comes out then. `now` never runs
-  /// back.
+  /// Takes what happened at one moment (other events are passed over), and gives what is to be said now, of
+  /// the kind of the newest event in it. To be called from time to time without events too: what was held
+  /// back comes out then. `now` never runs back.
   [[nodiscard]] std::vector<Sentence> tell(HostTime now, std::span<const take::Event> events);
 
  private:
-  /// What ends with a return, in words.
-  struct Trouble;
   struct Sensor {
     std::optional<HostTime> said_lost, said_back;
     bool lost = false;
     std::optional<HostTime> held_back_since;
     int losses = 0;  // Held back.
   };
-  static void tell_of(const Trouble& trouble, HostTime now, std::span<const take::Event> events,
-                      std::map<std::string, Sensor, std::less<>>& sensors, std::vector<Sentence>& out);
-  std::map<std::string, Sensor, std::less<>> links_;
-  std::map<std::string, Sensor, std::less<>> faces_;
+  std::array<std::map<std::string, Sensor>, 2> sensors_;  // Whose links, and whose faces, were ever lost.
 };
 
 }  // namespace mien::live

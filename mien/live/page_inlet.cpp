@@ -1,8 +1,5 @@
 #include "mien/live/page_inlet.h"
 
-#include <algorithm>
-#include <cstring>
-
 namespace mien::live {
 namespace {
 
@@ -15,27 +12,18 @@ struct InletHead {
 }  // namespace
 
 bool PageInlet::offer(std::uint64_t client, std::span<const std::byte> bytes, Clock::time_point now) {
-  const bool admitted = client != 0 && client == admitted_;
-  const std::span<std::byte> room =
-      admitted ? ring_.claim(sizeof(InletHead) + bytes.size()) : std::span<std::byte>();
-  if (room.empty()) {
+  if (client == 0 || client != admitted_ || !ring_.put(InletHead{client, now}, bytes)) {
     count_refused();
     return false;
   }
-  const InletHead head{client, now};
-  std::memcpy(room.data(), &head, sizeof(head));
-  std::ranges::copy(bytes, room.begin() + sizeof(head));
-  ring_.publish();
   awake_.give();
   return true;
 }
 
 std::optional<PageInlet::Message> PageInlet::front() {
-  const std::span<const std::byte> record = ring_.front();
-  if (record.empty()) return std::nullopt;
-  InletHead head{};
-  std::memcpy(&head, record.data(), sizeof(head));
-  return Message{head.client, head.arrival, record.subspan(sizeof(head))};
+  const auto record = ring_.front_of<InletHead>();
+  if (!record) return std::nullopt;
+  return Message{record->first.client, record->first.arrival, record->second};
 }
 
 }  // namespace mien::live

@@ -4,16 +4,17 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <utility>
 
 #include "mien/core/units.h"
+#include "mien/session/json_fields.h"
 
 namespace mien::live {
 namespace {
 
 using nlohmann::json;
+using session::dumped;
 
 /// Two digits behind the point are enough for people.
 double rounded(double value) {
@@ -258,10 +259,6 @@ std::string names_text(const json& details, const char* key) {
   return all;
 }
 
-std::string dump(const json& object) {
-  return object.dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
 }  // namespace
 
 sink::Hello hello_for(const sensor::Rig& rig, std::string software, std::string model,
@@ -334,7 +331,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
               {"has_truth", status.replay->has_truth},
               {"error", status.replay->error.empty() ? json(nullptr) : json(status.replay->error)}};
   const Recorder::State& recording = status.recording;
-  return dump(
+  return dumped(
       {{"type", "status"},
        {"time", to_seconds(status.report.time.time_since_epoch())},
        {"frames", status.report.frames},
@@ -372,23 +369,14 @@ std::string reply_json(std::int64_t number, std::string_view error, std::string_
   json object = {
       {"type", "reply"}, {"id", number}, {"ok", error.empty()}, {"error", error}, {"result", nullptr}};
   if (!result.empty()) object["result"] = json::parse(result, nullptr, false);
-  return dump(object);
+  return dumped(object);
 }
 
 std::string event_text(const take::Event& event) {
   const json details = json::parse(event.json, nullptr, false);
-  const auto text = [&](const char* key) {
-    return details.is_object() && details.contains(key) && details[key].is_string()
-               ? details[key].get<std::string>()
-               : std::string();
-  };
-  const auto number = [&](const char* key) {
-    return details.is_object() && details.contains(key) && details[key].is_number()
-               ? details[key].get<double>()
-               : 0.0;
-  };
+  const auto text = [&](const char* key) { return session::text_field(details, key); };
   if (event.kind == "bind") {
-    const bool anew = details.is_object() && details.value("anew", false);
+    const bool anew = session::flag_field(details, "anew");
     return text("sensor") + " is now device " + text("device") +
            (anew ? "; calibrate again when all are in their places, it has no neutral yet" : "");
   }
@@ -413,7 +401,10 @@ std::string event_text(const take::Event& event) {
   }
   if (event.kind == "recentre_advised") {
     const std::string left_out = names_text(details, "left_out");
-    return (left_out.empty() ? fmt::format("rotations are known to {:.1f} degrees only", number("sigma_deg"))
+    const auto sigma_deg = details.find("sigma_deg");
+    const bool known = sigma_deg != details.end() && sigma_deg->is_number();
+    return (left_out.empty() ? fmt::format("rotations are known to {:.1f} degrees only",
+                                           known ? sigma_deg->get<double>() : 0.0)
                              : "left out for their uncertainty: " + left_out) +
            "; relax your face and press Space on the page, or mien calibrate recentre";
   }
@@ -438,15 +429,15 @@ std::string event_text(const take::Event& event) {
 }
 
 std::string event_json(std::string_view kind, std::string_view text) {
-  return dump({{"type", "event"}, {"kind", kind}, {"text", text}});
+  return dumped({{"type", "event"}, {"kind", kind}, {"text", text}});
 }
 
 std::string microphone_json(std::string_view why) {
-  return dump({{"type", "microphone"}, {"on", false}, {"why", why}});
+  return dumped({{"type", "microphone"}, {"on", false}, {"why", why}});
 }
 
 std::string video_json(std::string_view why, bool again) {
-  return dump({{"type", "video"}, {"on", false}, {"why", why}, {"again", again}});
+  return dumped({{"type", "video"}, {"on", false}, {"why", why}, {"again", again}});
 }
 
 nlohmann::json takes_json(const std::vector<TakeListing::Entry>& takes) {

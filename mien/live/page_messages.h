@@ -7,13 +7,14 @@
 #include <string_view>
 #include <vector>
 
-#include "mien/live/camera_status.h"
+#include "mien/live/camera_pictures.h"
 #include "mien/live/dataset_recording.h"
-#include "mien/live/hearing.h"
+#include "mien/live/feeds.h"
 #include "mien/live/latency.h"
 #include "mien/live/network_interfaces.h"
 #include "mien/live/page_pictures.h"
 #include "mien/live/phone_lesson.h"
+#include "mien/live/player.h"
 #include "mien/live/recorder.h"
 #include "mien/live/serial_port.h"
 #include "mien/live/take_listing.h"
@@ -32,16 +33,6 @@ struct SinkState {
   std::int64_t id = 0;
   bool on = true;
   sink::Status status;
-};
-
-/// A take that is played in the place of devices.
-struct ReplayState {
-  std::string take;
-  double time_s = 0;
-  double duration_s = 0;
-  bool paused = false;
-  bool has_truth = false;
-  std::string error;  ///< Why it cannot be shown; empty when it can.
 };
 
 /// Who can reach the session.
@@ -65,7 +56,7 @@ struct Status {
   Recorder::State recording;
   double recording_megabytes = 0;
   std::optional<double> recording_ends_s;  ///< When the session ends by itself and the recording with it.
-  std::optional<ReplayState> replay;
+  std::optional<Player::View> replay;      ///< Of a take that is played in the place of devices.
   std::optional<DatasetRecording::State> dataset;  ///< None before the first.
   std::optional<VideoState> video;                 ///< None where none was agreed to, or sent.
   PhoneLesson::State lesson;

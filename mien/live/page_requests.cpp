@@ -9,18 +9,13 @@
 #include <boost/asio/ip/address.hpp>
 #include <chrono>
 #include <ctime>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "mien/sensor/rig_views.h"
+#include "mien/session/json_fields.h"
 #include "mien/sink/address.h"
 
 namespace mien::live {
-
-std::string text_field(const nlohmann::json& command, const char* key) {
-  const auto found = command.find(key);
-  return found != command.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
 
 Result<bool> switch_field(const nlohmann::json& command, const std::string& name) {
   const auto on = command.find("on");
@@ -75,8 +70,7 @@ Result<std::string> save_views(const std::filesystem::path& rig_file, const sens
     return fail(ErrorCode::unsupported, "this session has no cameras' rig file", "save_rig",
                 "start it with a rig that has, as rigs/headset.toml");
   MIEN_TRY(sensor::write_views(rig_file, views));
-  return nlohmann::json({{"rig", rig_file.string()}})
-      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return session::dumped({{"rig", rig_file.string()}});
 }
 
 }  // namespace mien::live

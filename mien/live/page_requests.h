@@ -13,8 +13,6 @@
 // writes one file that it cannot name: the rig of the session.
 namespace mien::live {
 
-/// A text of a command; empty where it has none.
-[[nodiscard]] std::string text_field(const nlohmann::json& command, const char* key);
 /// What a command's "on" says. Errors: malformed (it has none), told of `name`.
 [[nodiscard]] Result<bool> switch_field(const nlohmann::json& command, const std::string& name);
 

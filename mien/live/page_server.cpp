@@ -47,6 +47,11 @@ struct PageServer::State : std::enable_shared_from_this<PageServer::State> {
       : network(context), settings(std::move(s)), acceptor(context) {}
 
   void accept();
+  /// Null where it is gone.
+  [[nodiscard]] std::shared_ptr<Connection> find(std::uint64_t client) const {
+    const auto found = clients.find(client);
+    return found == clients.end() ? nullptr : found->second.lock();
+  }
   [[nodiscard]] bool knows_token(std::string_view token) const;
   [[nodiscard]] bool knows_host(const http::request<http::empty_body>& request) const;
   [[nodiscard]] bool allows_origin(const http::request<http::empty_body>& request) const;
@@ -350,22 +355,16 @@ void PageServer::send(std::string message) {
 }
 
 void PageServer::allow_messages(std::uint64_t client, std::size_t bytes) {
-  const auto found = state_->clients.find(client);
-  if (found == state_->clients.end()) return;
-  if (const auto there = found->second.lock()) there->allow_messages(bytes);
+  if (const auto there = state_->find(client)) there->allow_messages(bytes);
 }
 
 void PageServer::send_picture(std::uint64_t client, std::uint16_t camera, std::string message) {
-  const auto found = state_->clients.find(client);
-  if (found == state_->clients.end()) return;
-  if (const auto there = found->second.lock())
+  if (const auto there = state_->find(client))
     there->send_picture(camera, std::make_shared<const std::string>(std::move(message)));
 }
 
 void PageServer::send(std::uint64_t client, std::string message) {
-  const auto found = state_->clients.find(client);
-  if (found == state_->clients.end()) return;
-  if (const auto there = found->second.lock())
+  if (const auto there = state_->find(client))
     there->send(std::make_shared<const std::string>(std::move(message)));
 }
 

@@ -5,7 +5,6 @@
 #include <functional>
 #include <future>
 #include <memory>
-#include <set>
 #include <span>
 #include <string>
 #include <string_view>

@@ -1,7 +1,5 @@
 #include "mien/live/payload_source.h"
 
-#include <algorithm>
-#include <cstring>
 #include <utility>
 
 namespace mien::live {
@@ -25,25 +23,18 @@ bool PayloadSource::hand_over(std::span<const std::byte> datagram, std::span<con
     too_long_.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
-  const std::span<std::byte> room = ring_.claim(sizeof(head) + datagram.size() + payload.size());
-  if (room.empty()) {
+  if (!ring_.put(head, datagram, payload)) {
     overrun_.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
-  std::memcpy(room.data(), &head, sizeof(head));
-  const auto rest = std::ranges::copy(datagram, room.begin() + sizeof(head)).out;
-  std::ranges::copy(payload, rest);
-  ring_.publish();
   awake_.give();
   return true;
 }
 
 std::optional<PayloadSource::Waiting> PayloadSource::front() {
-  const std::span<const std::byte> record = ring_.front();
-  if (record.empty()) return std::nullopt;
-  SourceHead head{};
-  std::memcpy(&head, record.data(), sizeof(head));
-  const std::span<const std::byte> rest = record.subspan(sizeof(head));
+  const auto record = ring_.front_of<SourceHead>();
+  if (!record) return std::nullopt;
+  const auto& [head, rest] = *record;
   return Waiting{head.arrival, rest.first(head.datagram_bytes), rest.subspan(head.datagram_bytes)};
 }
 

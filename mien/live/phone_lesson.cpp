@@ -7,11 +7,8 @@
 #include "mien/live/asked_prompts.h"
 
 namespace mien::live {
-namespace {
 
 using session::Prompting;
-
-}  // namespace
 
 std::string_view stage_name(PhoneLesson::Stage stage) {
   static constexpr std::array<std::string_view, 5> kNames = {"none", "recording", "learning", "done",

@@ -14,7 +14,6 @@
 #include <cmath>
 #include <deque>
 #include <iterator>
-#include <optional>
 #include <string_view>
 #include <vector>
 

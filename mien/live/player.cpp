@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <map>
-#include <utility>
 
 #include "mien/session/replay.h"
 #include "mien/take/take.h"

@@ -45,7 +45,7 @@ class Player {
     double duration_s = 0;
     bool paused = false;
     bool has_truth = false;
-    std::string error;  ///< Why it cannot be shown.
+    std::string error;  ///< Why it cannot be shown; empty when it can.
   };
   [[nodiscard]] View view(HostTime now) const;
 

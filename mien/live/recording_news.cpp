@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <utility>
 
 namespace mien::live {
 
-std::vector<RecordingNews::Sentence> RecordingNews::tell(const Recorder::State& now,
-                                                         const std::vector<Recorder::Ended>& ended) {
+std::vector<Sentence> RecordingNews::tell(const Recorder::State& now,
+                                          const std::vector<Recorder::Ended>& ended) {
   std::vector<Sentence> news;
   bool failed = false;
   for (const Recorder::Ended& one : ended) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mien/live/recorder.h"
+#include "mien/live/sentence.h"
 
 namespace mien::live {
 
@@ -15,11 +16,8 @@ class RecordingNews {
   /// One warning when the log will be full within this time, s.
   static constexpr double kLogWarning_s = 600;
 
-  struct Sentence {
-    std::string kind;  ///< "recorded", "recording_failed" or "log_fills".
-    std::string text;
-  };
-  /// What is new since the last call. `ended`: the recordings that are over since then.
+  /// What is new since the last call: "recorded", "recording_failed" or "log_fills". `ended`: the recordings
+  /// that are over since then.
   [[nodiscard]] std::vector<Sentence> tell(const Recorder::State& now,
                                            const std::vector<Recorder::Ended>& ended);
 

@@ -11,6 +11,7 @@
 #include <charconv>
 #include <system_error>
 
+#include "mien/core/ascii.h"
 #include "mien/live/serial_speed.h"
 
 namespace mien::live {
@@ -48,9 +49,7 @@ Result<SerialAddress> parse_serial_address(std::string_view text) {
         address.baud > kMostBaud)
       return bad(fmt::format("the rate is no number from {} to {}", kLeastBaud, kMostBaud));
   }
-  const bool odd =
-      std::ranges::any_of(rest, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; });
-  if (!rest.starts_with('/') || rest.size() > kMaxDevicePath || odd)
+  if (!rest.starts_with('/') || rest.size() > kMaxDevicePath || has_control(rest))
     return bad("the device is no absolute path");
   address.device = rest;
   return address;
@@ -64,22 +63,14 @@ SerialPort::SerialPort(asio::io_context& network, SerialAddress address, OnFrame
       watch_(network) {}
 
 Result<std::unique_ptr<SerialPort>> SerialPort::open(asio::io_context& network, SerialAddress address,
-                                                     OnFrame on_frame) {
-  return begin(std::unique_ptr<SerialPort>(new SerialPort(network, std::move(address), std::move(on_frame))));
-}
-
-Result<std::unique_ptr<SerialPort>> SerialPort::open(asio::io_context& network, SerialAddress address,
-                                                     OnFrame on_frame, LineCamera camera,
+                                                     OnFrame on_frame, std::optional<LineCamera> camera,
                                                      sensor::PayloadStream::OnPayload on_payload,
                                                      CameraPictures::Clock clock) {
   std::unique_ptr<SerialPort> made(new SerialPort(network, std::move(address), std::move(on_frame)));
-  made->camera_ =
-      std::make_unique<CameraPictures>(made->address_.source(), std::move(camera.sensor),
-                                       std::move(camera.stream), std::move(on_payload), std::move(clock));
-  return begin(std::move(made));
-}
-
-Result<std::unique_ptr<SerialPort>> SerialPort::begin(std::unique_ptr<SerialPort> made) {
+  if (camera)
+    made->camera_ =
+        std::make_unique<CameraPictures>(made->address_.source(), std::move(camera->sensor),
+                                         std::move(camera->stream), std::move(on_payload), std::move(clock));
   MIEN_TRY(made->try_open());
   made->read();
   if (made->camera_) made->watch();
@@ -193,8 +184,7 @@ SerialPort::Status SerialPort::status() const {
                 .problem = problem_,
                 .unplugged = unplugged_,
                 .bytes = received_,
-                .overlong = framer_.overlong(),
-                .camera = std::nullopt};
+                .overlong = framer_.overlong()};
   if (!camera_) return status;
   CameraStatus camera = camera_->status();
   if (camera.pictures.all() > 0) status.camera = std::move(camera);

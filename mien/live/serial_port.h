@@ -15,7 +15,6 @@
 
 #include "mien/core/error.h"
 #include "mien/live/camera_pictures.h"
-#include "mien/live/camera_status.h"
 #include "mien/sensor/payload_stream.h"
 #include "mien/sensor/stream_framer.h"
 
@@ -54,16 +53,13 @@ class SerialPort {
   /// Called with each frame; valid during the call.
   using OnFrame = std::function<void(std::span<const std::byte> frame)>;
 
-  /// Opens the line: raw, eight bits, no parity, one stop bit, no flow control. Errors: not_found (no such
-  /// device), bad_usage (no serial line, not allowed, taken by another program, a rate it cannot do).
-  [[nodiscard]] static Result<std::unique_ptr<SerialPort>> open(boost::asio::io_context& network,
-                                                                SerialAddress address, OnFrame on_frame);
-  /// The same of a line that may be a camera's, whose pictures go to `on_payload`. `clock` is steady.
-  [[nodiscard]] static Result<std::unique_ptr<SerialPort>> open(boost::asio::io_context& network,
-                                                                SerialAddress address, OnFrame on_frame,
-                                                                LineCamera camera,
-                                                                sensor::PayloadStream::OnPayload on_payload,
-                                                                CameraPictures::Clock clock);
+  /// Opens the line: raw, eight bits, no parity, one stop bit, no flow control. `camera`: where the line may
+  /// be one's, whose pictures go to `on_payload`. `clock` is steady. Errors: not_found (no such device),
+  /// bad_usage (no serial line, not allowed, taken by another program, a rate it cannot do).
+  [[nodiscard]] static Result<std::unique_ptr<SerialPort>> open(
+      boost::asio::io_context& network, SerialAddress address, OnFrame on_frame,
+      std::optional<LineCamera> camera = std::nullopt, sensor::PayloadStream::OnPayload on_payload = {},
+      CameraPictures::Clock clock = {});
   /// For good.
   void close();
 
@@ -80,7 +76,6 @@ class SerialPort {
 
  private:
   SerialPort(boost::asio::io_context& network, SerialAddress address, OnFrame on_frame);
-  static Result<std::unique_ptr<SerialPort>> begin(std::unique_ptr<SerialPort> made);
   Result<void> try_open();
   void read();
   void read_when_due(std::size_t size);

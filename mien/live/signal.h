@@ -1,6 +1,5 @@
 #pragma once
 
-#include "mien/core/error.h"
 #include "mien/core/time.h"
 
 namespace mien::live {

@@ -8,7 +8,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "mien/core/error.h"
 #include "mien/core/time.h"

@@ -19,6 +19,14 @@ Result<double> length_s(const std::filesystem::path& path) {
 
 }  // namespace
 
+std::optional<FileVersion> FileVersion::of(const std::filesystem::path& file) {
+  std::error_code gone;
+  FileVersion version;
+  version.written = std::filesystem::last_write_time(file, gone);
+  if (!gone) version.bytes = std::filesystem::file_size(file, gone);
+  return gone ? std::nullopt : std::optional(version);
+}
+
 TakeListing::TakeListing(std::filesystem::path folder, std::function<void()> lengths_read)
     : folder_(std::move(folder)),
       lengths_read_(std::move(lengths_read)),
@@ -29,24 +37,21 @@ TakeListing::~TakeListing() = default;
 std::vector<TakeListing::Entry> TakeListing::list(const std::optional<Growing>& growing, bool read_lengths) {
   struct Found {
     Entry entry;
-    Version version;
+    FileVersion version;
   };
   std::vector<Found> found;
   std::error_code code;
   using Folder = std::filesystem::directory_iterator;
   for (Folder file(folder_, code); !code && file != Folder(); file.increment(code)) {
     if (file->path().extension() != ".mien") continue;
-    std::error_code gone;
-    Version version;
-    version.written = file->last_write_time(gone);
-    if (!gone) version.bytes = file->file_size(gone);
-    if (gone) continue;
+    const auto version = FileVersion::of(file->path());
+    if (!version) continue;
     const auto written = std::chrono::time_point_cast<std::chrono::system_clock::duration>(
-        std::chrono::file_clock::to_sys(version.written));
+        std::chrono::file_clock::to_sys(version->written));
     found.push_back({{.name = file->path().filename().string(),
-                      .megabytes = static_cast<double>(version.bytes) / 1e6,
+                      .megabytes = static_cast<double>(version->bytes) / 1e6,
                       .written = std::chrono::system_clock::to_time_t(written)},
-                     version});
+                     *version});
   }
   std::ranges::sort(found, std::ranges::greater(), [](const Found& one) { return one.version.written; });
   found.resize(std::min(found.size(), kMaxTakes));

@@ -16,6 +16,16 @@
 
 namespace mien::live {
 
+/// What tells a file that was written to from the one that was read.
+struct FileVersion {
+  std::uintmax_t bytes = 0;
+  std::filesystem::file_time_type written;
+  bool operator==(const FileVersion&) const = default;
+
+  /// None where it is gone.
+  [[nodiscard]] static std::optional<FileVersion> of(const std::filesystem::path& file);
+};
+
 /// The takes of a folder, for a page's list. Names, sizes and times are read at once; how long a take is
 /// stands in the file, which may take a second to open, so a thread of its own reads that and keeps it for as
 /// long as the file's size and time stay the same. list() from one thread, always the same.
@@ -50,19 +60,13 @@ class TakeListing {
   [[nodiscard]] std::vector<Entry> list(const std::optional<Growing>& growing, bool read_lengths);
 
  private:
-  /// What tells a file that was written to from the one that was read.
-  struct Version {
-    std::uintmax_t bytes = 0;
-    std::filesystem::file_time_type written;
-    bool operator==(const Version&) const = default;
-  };
   struct Length {
-    Version of;
+    FileVersion of;
     Result<double> seconds;
   };
   struct Wanted {
     std::string name;
-    Version version;
+    FileVersion version;
   };
   void read_lengths(const std::stop_token& stop);
 

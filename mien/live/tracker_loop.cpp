@@ -84,15 +84,10 @@ void TrackerLoop::fire(HostTime now, HostTime cause) {
   while (const auto tick = session_.due(now)) {
     const face::OutputFrame& frame = session_.tick(tick->frame, tick->fired);
     recorder_.tick(*tick);
-    if (Answer* answer = answers_.claim()) {
-      answer->tick = *tick;
-      answer->cause = tick->complete ? cause : tick->fired;
-      answer->frame = frame;
-      answers_.publish();
+    if (answers_.push(Answer{*tick, tick->complete ? cause : tick->fired, frame}))
       out_.give();
-    } else {
+    else
       ++missed_;
-    }
     hand_over_news(now);
   }
 }
@@ -120,21 +115,14 @@ void TrackerLoop::take(const Arrived& arrived) {
 }
 
 void TrackerLoop::post(const OutgoingMessage& said) {
-  const std::span<std::byte> room = said_.claim(sizeof(MessageHead) + said.bytes.size());
-  if (room.empty()) return;  // The network's thread stands still: nobody would hear it.
-  const MessageHead head{said.kind, said.to, said.number};
-  std::memcpy(room.data(), &head, sizeof(head));
-  if (!said.bytes.empty()) std::memcpy(room.data() + sizeof(head), said.bytes.data(), said.bytes.size());
-  said_.publish();
-  out_.give();
+  // No room: the network's thread stands still, and nobody would hear it.
+  if (said_.put(MessageHead{said.kind, said.to, said.number}, said.bytes)) out_.give();
 }
 
 std::optional<OutgoingMessage> TrackerLoop::front_said() {
-  const std::span<const std::byte> record = said_.front();
-  if (record.empty()) return std::nullopt;
-  MessageHead head{};
-  std::memcpy(&head, record.data(), sizeof(head));
-  return OutgoingMessage{head.kind, head.to, head.number, record.subspan(sizeof(head))};
+  const auto record = said_.front_of<MessageHead>();
+  if (!record) return std::nullopt;
+  return OutgoingMessage{record->first.kind, record->first.to, record->first.number, record->second};
 }
 
 void TrackerLoop::post_event(std::string_view kind, std::string_view text) {
@@ -149,7 +137,7 @@ void TrackerLoop::hand_over_news(HostTime now) {
     if (LinkNews::is_about_a_link(event)) continue;
     if (const std::string words = event_text(event); !words.empty()) post_event(event.kind, words);
   }
-  for (const LinkNews::Sentence& news : link_news_.tell(now, events)) post_event(news.kind, news.text);
+  for (const Sentence& news : link_news_.tell(now, events)) post_event(news.kind, news.text);
   const auto& versions = session_.versions();
   for (; versions_ < static_cast<std::int64_t>(versions.size()); ++versions_) {
     const session::CalibrationVersion& version = versions[static_cast<std::size_t>(versions_)];
@@ -166,7 +154,7 @@ void TrackerLoop::look_around(HostTime now) {
   for (const sensor::Protocol::Outgoing& said : outgoing_)
     post({OutgoingMessage::Kind::datagram, said.peer, 0, said.datagram});
   if (++looks_ % 2 == 0) return;
-  for (const LinkNews::Sentence& news : link_news_.tell(now, {})) post_event(news.kind, news.text);
+  for (const Sentence& news : link_news_.tell(now, {})) post_event(news.kind, news.text);
   session_.report(now, draft_);
   tell_of_hold();
   tell_of_versions();

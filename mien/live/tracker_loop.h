@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <boost/lockfree/spsc_queue.hpp>
 #include <cstdint>
 #include <functional>
 #include <mutex>
@@ -11,7 +12,6 @@
 #include "mien/live/intake.h"
 #include "mien/live/link_news.h"
 #include "mien/live/recorder.h"
-#include "mien/live/ring.h"
 #include "mien/live/signal.h"
 #include "mien/session/report.h"
 #include "mien/session/session.h"
@@ -50,8 +50,8 @@ class TrackerLoop {
   void stop();
 
   // Network thread.
-  [[nodiscard]] Answer* front() { return answers_.front(); }
-  void release() { answers_.release(); }
+  [[nodiscard]] Answer* front() { return answers_.read_available() > 0 ? &answers_.front() : nullptr; }
+  void release() { answers_.pop(); }
   [[nodiscard]] std::optional<OutgoingMessage> front_said();
   void release_said() { said_.release(); }
   /// There is something to take.
@@ -79,7 +79,7 @@ class TrackerLoop {
   Intake& intake_;
   Recorder& recorder_;
   Clock clock_;
-  Ring<Answer> answers_;
+  boost::lockfree::spsc_queue<Answer> answers_;
   ByteRing said_;
   Signal out_;
   std::atomic<bool> stopping_ = false;

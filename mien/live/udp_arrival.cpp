@@ -7,11 +7,11 @@
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <boost/asio/io_context.hpp>
 #include <cerrno>
 #include <cstring>
 
 #include "mien/live/network_interfaces.h"
+#include "mien/sink/udp_target.h"
 
 namespace mien::live {
 namespace {
@@ -37,15 +37,8 @@ bool is_link_local(const asio::ip::address& address) {
   return address.is_v6() && address.to_v6().is_link_local();
 }
 
-/// Whether a socket of this machine can have it: also 127.0.0.2, which no interface names.
 bool is_of_this_machine(const asio::ip::address& address) {
-  if (address.is_unspecified() || address.is_multicast()) return false;
-  asio::io_context nothing;
-  udp::socket socket(nothing);
-  boost::system::error_code code;
-  socket.open(address.is_v6() ? udp::v6() : udp::v4(), code);
-  if (!code) socket.bind({address, 0}, code);
-  return !code;
+  return !address.is_unspecified() && !address.is_multicast() && sink::is_this_machine(address);
 }
 
 }  // namespace

@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <utility>
+
+#include "mien/session/json_fields.h"
 
 namespace mien::live {
 namespace {
-
-using nlohmann::json;
 
 constexpr double kVideoMegabyte = 1e6;
 /// Of more clients in one recording no refusal is told; it is counted.
@@ -20,10 +19,6 @@ const char* const kRecordingOver = "the recording is over";
 
 double clock_seconds(Duration since_start) {
   return std::round(1e3 * to_seconds(since_start)) / 1e3;
-}
-
-std::string dumped_event(const json& object) {
-  return object.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -186,10 +181,10 @@ void VideoRecording::see(const VideoWriter::Report& report) {
     ++state_.files;
     state_.file = video.file;
     news_.events.push_back(
-        {"video", dumped_event(json({{"file", video.file},
-                                     {"container", container_name(video.container)},
-                                     {"received_s", clock_seconds(video.received.time_since_epoch())},
-                                     {"age_s", 1e-3 * video.age_ms}}))});
+        {"video", session::dumped({{"file", video.file},
+                                   {"container", container_name(video.container)},
+                                   {"received_s", clock_seconds(video.received.time_since_epoch())},
+                                   {"age_s", 1e-3 * video.age_ms}})});
     news_.sentences.push_back(
         {"video", fmt::format("video is recorded to {}{}", report.file.string(),
                               state_.files > 1 ? ", another file: the one before ended" : "")});
@@ -207,12 +202,12 @@ void VideoRecording::see(const VideoWriter::Report& report) {
   }
   if (!report.closed) return;
   if (!video.file.empty())
-    news_.events.push_back({"video_over", dumped_event(json({{"file", video.file},
-                                                             {"bytes", report.bytes},
-                                                             {"chunks", video.next},
-                                                             {"zero_s", clock_seconds(video.zero)},
-                                                             {"last_s", 1e-3 * video.last_ms},
-                                                             {"ended", video.ended}}))});
+    news_.events.push_back({"video_over", session::dumped({{"file", video.file},
+                                                           {"bytes", report.bytes},
+                                                           {"chunks", video.next},
+                                                           {"zero_s", clock_seconds(video.zero)},
+                                                           {"last_s", 1e-3 * video.last_ms},
+                                                           {"ended", video.ended}})});
   if (video.failed)
     news_.sentences.push_back(
         {"video_failed", fmt::format("the video ended after {:.1f} MB: {}",

@@ -13,6 +13,7 @@
 
 #include "mien/core/error.h"
 #include "mien/core/time.h"
+#include "mien/live/sentence.h"
 #include "mien/live/video_message.h"
 #include "mien/live/video_writer.h"
 
@@ -72,10 +73,6 @@ class VideoRecording {
 
   /// What follows: for people, for the take's log, and for browsers.
   struct News {
-    struct Sentence {
-      std::string kind;  ///< "video" or "video_failed".
-      std::string text;
-    };
     struct Event {
       std::string kind;  ///< "video" or "video_over" (docs/reference/page_protocol.md).
       std::string json;
@@ -86,7 +83,7 @@ class VideoRecording {
       std::string why;
       bool again = false;
     };
-    std::vector<Sentence> sentences;
+    std::vector<Sentence> sentences;  ///< "video" or "video_failed".
     std::vector<Event> events;
     std::vector<Stop> stops;
   };

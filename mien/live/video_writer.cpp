@@ -53,7 +53,7 @@ VideoWriter::VideoWriter(std::uint64_t reserve_bytes)
 VideoWriter::~VideoWriter() = default;
 
 void VideoWriter::open(std::uint64_t video, const std::filesystem::path& take, VideoContainer container) {
-  post({.what = Job::Do::open, .video = video, .take = take, .container = container, .data = {}});
+  post({.what = Job::Do::open, .video = video, .take = take, .container = container});
 }
 
 bool VideoWriter::append(std::uint64_t video, std::span<const std::byte> data) {
@@ -62,11 +62,7 @@ bool VideoWriter::append(std::uint64_t video, std::span<const std::byte> data) {
     if (waiting_bytes_ + data.size() > kQueueBytes) return false;
   }
   try {
-    post({.what = Job::Do::append,
-          .video = video,
-          .take = {},
-          .container = VideoContainer::webm,
-          .data = std::vector(data.begin(), data.end())});
+    post({.what = Job::Do::append, .video = video, .data = std::vector(data.begin(), data.end())});
   } catch (const std::bad_alloc&) {
     return false;  // Memory is short: as if the disk were.
   }
@@ -74,7 +70,7 @@ bool VideoWriter::append(std::uint64_t video, std::span<const std::byte> data) {
 }
 
 void VideoWriter::close(std::uint64_t video) {
-  post({.what = Job::Do::close, .video = video, .take = {}, .container = VideoContainer::webm, .data = {}});
+  post({.what = Job::Do::close, .video = video});
 }
 
 void VideoWriter::post(Job job) {

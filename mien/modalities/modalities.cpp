@@ -49,30 +49,30 @@ namespace {
 using MadeTracker = Result<std::unique_ptr<tracker::Tracker>>;
 using Reducers = std::vector<session::ProtocolReducer>;
 
+/// The same, where an error says which file it is about.
+template <class T>
+Result<T> of_file(Result<T> made, const std::filesystem::path& file) {
+  if (!made) made.error().where = file.string();
+  return made;
+}
+
 MadeTracker make_imu_tracker(const sensor::Rig& rig, const LiveModel& from, Reducers&) {
-  Result<model::ModelFile> file =
-      from.imu ? Result<model::ModelFile>(*from.imu) : model::read_model(from.path);
-  if (!file) return std::unexpected(std::move(file).error());
-  auto model = tracker::CausalTracker::create(*std::move(file), rig.face_sensor_names());
-  if (!model) {
-    model.error().where = from.path.string();
-    return std::unexpected(std::move(model).error());
-  }
-  return std::make_unique<imu::ImuTracker>(rig, std::make_unique<tracker::CausalTracker>(*std::move(model)));
+  MIEN_TRY_ASSIGN(model::ModelFile file,
+                  from.imu ? Result<model::ModelFile>(*from.imu) : model::read_model(from.path));
+  MIEN_TRY_ASSIGN(
+      tracker::CausalTracker model,
+      of_file(tracker::CausalTracker::create(std::move(file), rig.face_sensor_names()), from.path));
+  return std::make_unique<imu::ImuTracker>(rig, std::make_unique<tracker::CausalTracker>(std::move(model)));
 }
 
 MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const LiveModel& from, Reducers&) {
   MIEN_TRY_ASSIGN(const std::filesystem::path markers, find_resource("rigs/markers.toml"));
   MIEN_TRY_ASSIGN(const builtin_face::MarkerSet set, builtin_face::read_markers(markers));
   MIEN_TRY_ASSIGN(eyewear::MarkerNetworkFile file, eyewear::read_marker_network(from.path));
-  auto face = eyewear::MarkedFace::of(file, set);
-  if (!face) {
-    face.error().where = from.path.string();
-    return std::unexpected(std::move(face).error());
-  }
+  MIEN_TRY_ASSIGN(eyewear::MarkedFace face, of_file(eyewear::MarkedFace::of(file, set), from.path));
   MIEN_TRY_ASSIGN(auto regressor,
                   eyewear::NetworkRegressor::create(std::move(file), eyewear::photo_sensor_names(rig)));
-  return eyewear::EyewearTracker::create(rig, *std::move(face), std::move(regressor));
+  return eyewear::EyewearTracker::create(rig, std::move(face), std::move(regressor));
 }
 
 MadeTracker make_gaze_tracker(const sensor::Rig& rig, const LiveModel&, Reducers&) {
@@ -109,13 +109,9 @@ MadeTracker make_camera_tracker(const sensor::Rig& rig, const LiveModel& from, R
                 "train it: mien train models/recipes/headset.toml --rig rigs/headset.toml --out "
                 "models/headset.safetensors");
   MIEN_TRY_ASSIGN(const headset::ViewsFile file, headset::read_views_file(path));
-  auto model = headset::HeadsetModel::create(file);
-  if (!model) {
-    model.error().where = path.string();
-    return std::unexpected(std::move(model).error());
-  }
-  MIEN_TRY_ASSIGN(auto made, headset::HeadsetTracker::create(rig, *model));
-  MIEN_TRY_ASSIGN(headset::FeatureReducer reducer, headset::FeatureReducer::create(rig, *model));
+  MIEN_TRY_ASSIGN(const auto model, of_file(headset::HeadsetModel::create(file), path));
+  MIEN_TRY_ASSIGN(auto made, headset::HeadsetTracker::create(rig, model));
+  MIEN_TRY_ASSIGN(headset::FeatureReducer reducer, headset::FeatureReducer::create(rig, model));
   reducers.push_back({std::string(headset::PictureProtocol::kName),
                       std::make_unique<headset::FeatureReducer>(std::move(reducer))});
   return made;
@@ -132,48 +128,6 @@ struct Language {
   Sealing sealing = Sealing::never;
 };
 
-Result<void> add_imu_languages(std::uint64_t session, std::vector<Language>& languages) {
-  MIEN_TRY_ASSIGN(imu::NodeProtocol nodes, imu::NodeProtocol::create({.session = session}));
-  languages.push_back({std::make_unique<imu::NodeProtocol>(std::move(nodes)), Language::Sealing::possible});
-  languages.push_back({std::make_unique<imu::SlimeVrProtocol>(), Language::Sealing::never});
-  return {};
-}
-
-Result<void> add_eyewear_languages(std::uint64_t, std::vector<Language>& languages) {
-  MIEN_TRY_ASSIGN(eyewear::EyewearProtocol protocol, eyewear::EyewearProtocol::create());
-  // Its packets; lines of text name no device, so they are never sealed.
-  languages.push_back(
-      {std::make_unique<eyewear::EyewearProtocol>(std::move(protocol)), Language::Sealing::possible});
-  return {};
-}
-
-Result<void> add_gaze_languages(std::uint64_t, std::vector<Language>& languages) {
-  // Its packets; OSC names no device, so it is never sealed.
-  languages.push_back({std::make_unique<gaze::GazeProtocol>(), Language::Sealing::possible});
-  return {};
-}
-
-Result<void> add_weights_languages(std::uint64_t, std::vector<Language>& languages) {
-  languages.push_back({std::make_unique<phone::WeightsProtocol>(), Language::Sealing::possible});
-  // Programs of phones seal nothing.
-  languages.push_back({std::make_unique<phone::LiveLinkProtocol>(), Language::Sealing::never});
-  languages.push_back({std::make_unique<phone::IFacialMocapProtocol>(), Language::Sealing::never});
-  return {};
-}
-
-Result<void> add_speech_languages(std::uint64_t, std::vector<Language>& languages) {
-  // Of what is heard on this machine the samples are payloads, which no datagram of a network has.
-  languages.push_back({std::make_unique<speech::SoundProtocol>(), Language::Sealing::inside});
-  languages.push_back({std::make_unique<speech::MicrophoneProtocol>(), Language::Sealing::possible});
-  return {};
-}
-
-Result<void> add_camera_languages(std::uint64_t, std::vector<Language>& languages) {
-  // Pictures are payloads, which no datagram of a network has.
-  languages.push_back({std::make_unique<headset::PictureProtocol>(), Language::Sealing::inside});
-  return {};
-}
-
 /// The token of a session, by which devices know it from the one before. Errors: internal.
 Result<std::uint64_t> draw_session() {
   if (sodium_init() < 0) return fail(ErrorCode::internal, "libsodium does not start", "session");
@@ -182,74 +136,77 @@ Result<std::uint64_t> draw_session() {
   return session;
 }
 
+/// What devices speak to a session of this token, in the order in which it is asked whether a datagram is
+/// theirs: packets of markers, gaze, weights, sound and eyewear begin as IMU nodes' do. Errors: the
+/// protocols'.
+Result<std::vector<Language>> make_languages(std::uint64_t session) {
+  using enum Language::Sealing;
+  std::vector<Language> all;
+  const auto add = [&all]<class P>(P protocol, Language::Sealing sealing) {
+    all.push_back({std::make_unique<P>(std::move(protocol)), sealing});
+  };
+  add(mocap::MarkerProtocol(), never);  // Truth, no sensors of a rig.
+  add(OscCommands(), never);            // Gaze takes all other OSC.
+  // Packets can be sealed; OSC, lines of text, SlimeVR's nodes and programs of phones seal nothing.
+  add(gaze::GazeProtocol(), possible);
+  add(phone::WeightsProtocol(), possible);
+  add(phone::LiveLinkProtocol(), never);
+  add(phone::IFacialMocapProtocol(), never);
+  // What is heard or seen inside this program are payloads, which no datagram of a network has.
+  add(speech::SoundProtocol(), inside);
+  add(speech::MicrophoneProtocol(), possible);
+  add(headset::PictureProtocol(), inside);
+  MIEN_TRY_ASSIGN(eyewear::EyewearProtocol eyewear, eyewear::EyewearProtocol::create());
+  add(std::move(eyewear), possible);
+  MIEN_TRY_ASSIGN(imu::NodeProtocol nodes, imu::NodeProtocol::create({.session = session}));
+  add(std::move(nodes), possible);
+  add(imu::SlimeVrProtocol(), never);
+  return all;
+}
+
 /// A kind of sensors: a row of the table, and what a live session knows of it. What a virtual performer wears
 /// is a row of mien/virtual/stage.cpp and its training one of mien/train/make_task.cpp, by the same kind.
-/// What a guided calibration asks for is its tracker's to say (tracker::Tracker::guidance()).
+/// What a guided calibration asks for is its tracker's to say (tracker::Tracker::guidance()), and what its
+/// devices speak stands in make_languages().
 struct Modality {
   std::string_view kind;  ///< As rigs and its tracker name it (tracker::Tracker::modality()).
   /// Path of the live model from the program's root; empty for a kind whose tracker needs none.
   std::string_view default_model;
-  bool window_models;                    ///< See has_window_models().
+  bool window_models = false;            ///< See has_window_models().
   std::span<const std::uint16_t> ports;  ///< UDP ports that its devices send to, unless told otherwise.
   /// Appends what reduces the payloads of its protocols, where they are reduced before they are logged.
   /// Errors: the model's.
   MadeTracker (*make_tracker)(const sensor::Rig& rig, const LiveModel& model, Reducers& reducers);
-  /// Appends what its devices speak, to a session of this token.
-  Result<void> (*add_languages)(std::uint64_t session, std::vector<Language>& languages);
   /// Where another kind's model is named, this one's is the default, or what has its name in the folder.
   bool model_beside = false;
   model::Precision precision = model::Precision::fp32;  ///< Of its networks.
 };
 
+constexpr std::array kNodePorts = {imu::kNodePort};
 constexpr std::array kImuPorts = {imu::kNodePort, imu::slimevr::kPort};
-constexpr std::array kEyewearPorts = {imu::kNodePort};
-constexpr std::array kGazePorts = {imu::kNodePort};
-constexpr std::array kWeightsPorts = {imu::kNodePort};
-constexpr std::array kSpeechPorts = {imu::kNodePort};
-/// This program asks cameras; they send to no port of it.
-constexpr std::array<std::uint16_t, 0> kCameraPorts = {};
 
-/// In the order in which their protocols are asked whether a datagram is theirs: packets of gaze, weights,
-/// sound and eyewear begin as IMU nodes' do.
 constexpr std::array kModalities = {
-    Modality{.kind = "gaze",
-             .default_model = "",
-             .window_models = false,
-             .ports = kGazePorts,
-             .make_tracker = make_gaze_tracker,
-             .add_languages = add_gaze_languages},
-    Modality{.kind = "weights",
-             .default_model = "",
-             .window_models = false,
-             .ports = kWeightsPorts,
-             .make_tracker = make_weights_tracker,
-             .add_languages = add_weights_languages},
+    Modality{.kind = "gaze", .ports = kNodePorts, .make_tracker = make_gaze_tracker},
+    Modality{.kind = "weights", .ports = kNodePorts, .make_tracker = make_weights_tracker},
     Modality{.kind = "speech",
              .default_model = "models/speech.safetensors",
-             .window_models = false,
-             .ports = kSpeechPorts,
+             .ports = kNodePorts,
              .make_tracker = make_speech_tracker,
-             .add_languages = add_speech_languages,
              .model_beside = true},
+    // This program asks cameras; they send to no port of it.
     Modality{.kind = "camera",
              .default_model = "models/headset.safetensors",
-             .window_models = false,
-             .ports = kCameraPorts,
              .make_tracker = make_camera_tracker,
-             .add_languages = add_camera_languages,
              .precision = headset::kHeadsetPrecision},
     Modality{.kind = "eyewear",
              .default_model = "models/eyewear.safetensors",
-             .window_models = false,
-             .ports = kEyewearPorts,
-             .make_tracker = make_eyewear_tracker,
-             .add_languages = add_eyewear_languages},
+             .ports = kNodePorts,
+             .make_tracker = make_eyewear_tracker},
     Modality{.kind = "imu",
              .default_model = "models/live.safetensors",
              .window_models = true,
              .ports = kImuPorts,
              .make_tracker = make_imu_tracker,
-             .add_languages = add_imu_languages,
              .precision = tracker::kLivePrecision},
 };
 
@@ -359,13 +316,7 @@ std::string live_kernels(const sensor::Rig& rig) {
 
 Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys) {
   MIEN_TRY_ASSIGN(const std::uint64_t session, draw_session());
-  std::vector<Language> languages;
-  // Markers are truth, no sensors of a rig. Their packets begin as nodes' do, so they are asked about first;
-  // no key seals them.
-  languages.push_back({std::make_unique<mocap::MarkerProtocol>(), Language::Sealing::never});
-  // Gaze takes all other OSC.
-  languages.push_back({std::make_unique<OscCommands>(), Language::Sealing::never});
-  for (const Modality& modality : kModalities) MIEN_TRY(modality.add_languages(session, languages));
+  MIEN_TRY_ASSIGN(std::vector<Language> languages, make_languages(session));
   Protocols protocols;
   Protocols inside;
   for (Language& language : languages) {

@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "mien/core/excerpt.h"
 #include "mien/model/correction_json.h"
+#include "mien/session/json_fields.h"
 #include "mien/take/layout.h"
 
 namespace mien::session {
@@ -38,6 +39,15 @@ Result<std::string> text_or_none(const json& object, const char* key) {
   return text_of(object, key);
 }
 
+/// A flag that may be left out.
+Result<std::optional<bool>> flag_or_none(const json& object, const char* key, std::string fix = {}) {
+  const auto found = object.find(key);
+  if (found == object.end()) return std::nullopt;
+  if (found->is_boolean()) return found->get<bool>();
+  return fail(ErrorCode::malformed, fmt::format("\"{}\" is neither true nor false", key), kCommand,
+              std::move(fix));
+}
+
 Result<GiveConsent> consent_in(const json& object) {
   GiveConsent given;
   MIEN_TRY_ASSIGN(given.consent.performer, text_of(object, "performer"));
@@ -49,12 +59,9 @@ Result<GiveConsent> consent_in(const json& object) {
                 "true where the voice is recorded too");
   given.consent.sound = sound->get<bool>();
   // Older logs say nothing of it.
-  if (const auto video = object.find("video"); video != object.end()) {
-    if (!video->is_boolean())
-      return fail(ErrorCode::malformed, "\"video\" is neither true nor false", kCommand,
-                  "true where the face is recorded on video too");
-    given.consent.video = video->get<bool>();
-  }
+  MIEN_TRY_ASSIGN(const auto video,
+                  flag_or_none(object, "video", "true where the face is recorded on video too"));
+  given.consent.video = video.value_or(false);
   MIEN_TRY(check_consent(given.consent, kCommand));
   return given;
 }
@@ -67,11 +74,8 @@ Result<Prompt> prompt_of(const json& object) {
   MIEN_TRY_ASSIGN(prompt.block, text_or_none(object, "block"));
   MIEN_TRY_ASSIGN(prompt.emotion, text_or_none(object, "emotion"));
   MIEN_TRY_ASSIGN(prompt.language, text_or_none(object, "language"));
-  if (const auto own = object.find("own_pace"); own != object.end()) {
-    if (!own->is_boolean())
-      return fail(ErrorCode::malformed, "\"own_pace\" is neither true nor false", kCommand);
-    prompt.own_pace = own->get<bool>();
-  }
+  MIEN_TRY_ASSIGN(const auto own_pace, flag_or_none(object, "own_pace"));
+  prompt.own_pace = own_pace.value_or(false);
   if (const auto seconds = object.find("seconds"); seconds != object.end()) {
     if (!seconds->is_number()) return fail(ErrorCode::malformed, "\"seconds\" is not a number", kCommand);
     prompt.seconds = seconds->get<double>();
@@ -108,11 +112,7 @@ Result<View> view_of(const json& object) {
     // What is no turn stays none, however large.
     view.change.turn_deg = static_cast<int>(std::clamp<std::int64_t>(turn->get<std::int64_t>(), -1, 361));
   }
-  if (const auto mirror = object.find("mirror"); mirror != object.end()) {
-    if (!mirror->is_boolean())
-      return fail(ErrorCode::malformed, "\"mirror\" is neither true nor false", kCommand);
-    view.change.mirror = mirror->get<bool>();
-  }
+  MIEN_TRY_ASSIGN(view.change.mirror, flag_or_none(object, "mirror"));
   if (view.change == sensor::PictureViewChange())
     return fail(ErrorCode::malformed, "\"view\" changes nothing", kCommand,
                 "give \"crop\", \"turn_deg\" or \"mirror\"");
@@ -268,23 +268,8 @@ struct Writer {
 }  // namespace
 
 bool is_session_command(std::string_view name) {
-  static constexpr std::array<std::string_view, 16> kNames = {"calibrate",
-                                                              "cancel_calibration",
-                                                              "use_calibration",
-                                                              "restore_calibration",
-                                                              "recentre",
-                                                              "bind",
-                                                              "hear",
-                                                              "tap",
-                                                              "cover",
-                                                              "view",
-                                                              "shape",
-                                                              "prompt",
-                                                              "prompts",
-                                                              "consent",
-                                                              "consent_over",
-                                                              "correct"};
-  return std::ranges::find(kNames, name) != kNames.end();
+  const auto parsed = parse_command(dumped({{"command", name}}));
+  return parsed || parsed.error().code != ErrorCode::unsupported;
 }
 
 Result<Command> parse_command(std::string_view text) {

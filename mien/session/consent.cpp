@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
+#include "mien/core/ascii.h"
 #include "mien/core/utf8.h"
+#include "mien/session/json_fields.h"
 
 namespace mien::session {
 namespace {
@@ -14,8 +15,7 @@ constexpr std::size_t kMaxPerformer = 60, kMaxRecordedBy = 200, kMaxPurpose = 10
 
 bool one_line_within(std::string_view text, std::size_t most) {
   const bool blank = std::ranges::all_of(text, [](char c) { return c == ' '; });
-  return !blank && text.size() <= most && is_utf8(text) &&
-         std::ranges::none_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+  return !blank && text.size() <= most && is_utf8(text) && !has_control(text);
 }
 
 }  // namespace
@@ -43,16 +43,8 @@ std::string consent_event_json(const Consent& consent) {
 std::optional<Consent> consent_of(std::string_view json) {
   const nlohmann::json event = nlohmann::json::parse(json, nullptr, false);
   if (!event.is_object()) return std::nullopt;
-  const auto text = [&event](const char* key) {
-    const auto found = event.find(key);
-    return found != event.end() && found->is_string() ? found->get<std::string>() : std::string();
-  };
-  const auto flag = [&event](const char* key) {
-    const auto found = event.find(key);
-    return found != event.end() && found->is_boolean() && found->get<bool>();
-  };
-  const Consent consent{text("performer"), text("recorded_by"), text("purpose"), flag("sound"),
-                        flag("video")};
+  const Consent consent{text_field(event, "performer"), text_field(event, "recorded_by"),
+                        text_field(event, "purpose"), flag_field(event, "sound"), flag_field(event, "video")};
   if (!check_consent(consent, {})) return std::nullopt;
   return consent;
 }

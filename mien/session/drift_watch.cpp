@@ -1,6 +1,5 @@
 #include "mien/session/drift_watch.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace mien::session {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "mien/core/ascii.h"
 #include "mien/core/units.h"
 #include "mien/core/utf8.h"
 
@@ -24,9 +25,8 @@ bool printable(std::string_view text) {
   return std::ranges::all_of(text, [](unsigned char c) { return c >= 0x20 && c < 0x7F; });
 }
 
-/// UTF-8 without control characters, which a terminal would obey.
 bool readable(std::string_view text) {
-  return is_utf8(text) && std::ranges::none_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+  return is_utf8(text) && !has_control(text);
 }
 
 Result<void> check_labels(const Prompt& prompt, const std::string& where) {

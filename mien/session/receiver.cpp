@@ -43,17 +43,10 @@ constexpr std::size_t kMostVersions = 8;
 }  // namespace
 
 std::string_view link_change_name(LinkChange change) {
-  switch (change) {
-    case LinkChange::lost:
-      return "sensor_lost";
-    case LinkChange::back:
-      return "sensor_back";
-    case LinkChange::face_lost:
-      return "face_lost";
-    case LinkChange::face_back:
-      return "face_back";
-  }
-  return "";
+  // In the order of LinkChange.
+  static constexpr std::array<std::string_view, 4> kNames = {"sensor_lost", "sensor_back", "face_lost",
+                                                             "face_back"};
+  return kNames.at(static_cast<std::size_t>(change));
 }
 
 Result<std::unique_ptr<Receiver>> Receiver::create(sensor::Rig rig,

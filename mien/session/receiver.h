@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -21,11 +22,33 @@
 #include "mien/sensor/rig.h"
 #include "mien/sensor/ticks.h"
 #include "mien/session/cover_watch.h"
-#include "mien/session/peers.h"
 #include "mien/session/report.h"
 #include "mien/session/tap_watch.h"
 
 namespace mien::session {
+
+/// Who sent a datagram, as a session knows it.
+struct Sender {
+  /// `source`: as the log names it, "udp://192.168.1.7:5005"; by it people tell two senders of one id apart,
+  /// and choose between them. Valid during the call that it is given to. Empty: cannot be chosen.
+  Sender(sensor::Peer its, std::string_view name = {}) : peer(its), source(name) {}
+  sensor::Peer peer;
+  std::string_view source;
+};
+
+/// The senders of a session log, for whoever feeds it to a receiver again: numbered in the order of their
+/// first datagrams, as live.
+class Peers {
+ public:
+  /// Its source text stands as long as this does.
+  Sender of(const std::string& source) {
+    const auto known = peers_.emplace(source, static_cast<sensor::Peer>(peers_.size())).first;
+    return {known->second, known->first};
+  }
+
+ private:
+  std::map<std::string, sensor::Peer> peers_;
+};
 
 /// What a Receiver hands on, in the order in which it stood in the log. Of a truth nothing is handed on.
 class SampleConsumer {
@@ -38,17 +61,15 @@ class SampleConsumer {
   /// `was_received`: samples of the one before had come.
   virtual void rebound(std::uint16_t sensor, const sensor::DeviceKey& device, bool was_received) = 0;
   /// From here on this camera is seen so. `was_received`: samples of it had come.
-  virtual void view_changed([[maybe_unused]] std::uint16_t sensor,
-                            [[maybe_unused]] const sensor::PictureView& view,
-                            [[maybe_unused]] bool was_received) {}
+  virtual void view_changed(std::uint16_t /*sensor*/, const sensor::PictureView& /*view*/,
+                            bool /*was_received*/) {}
   /// Two send as this sensor's device: whose readings are taken, and whose are not. When the other comes, and
   /// when they change places (then after rebound()); not again while both go on. Source texts, valid during
   /// the call.
-  virtual void contested([[maybe_unused]] std::uint16_t sensor, [[maybe_unused]] std::string_view accepted,
-                         [[maybe_unused]] std::string_view other) {}
+  virtual void contested(std::uint16_t /*sensor*/, std::string_view /*accepted*/,
+                         std::string_view /*other*/) {}
   /// The sender of a datagram asks the session to re-centre. Source text, valid during the call.
-  virtual void asked_to_recentre([[maybe_unused]] HostTime arrival,
-                                 [[maybe_unused]] std::string_view source) {}
+  virtual void asked_to_recentre(HostTime /*arrival*/, std::string_view /*source*/) {}
 };
 
 /// What became of a sensor's link.

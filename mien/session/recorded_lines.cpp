@@ -2,18 +2,14 @@
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string_view>
+
+#include "mien/session/json_fields.h"
 
 namespace mien::session {
 namespace {
 
 using nlohmann::json;
-
-std::string text_in(const json& details, const char* key) {
-  const auto found = details.find(key);
-  return found != details.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
 
 /// None where the details cannot be read, name nothing, or are a pose of a calibration or for oneself.
 std::optional<RecordedLine> line_of(const take::Event& event) {
@@ -21,15 +17,11 @@ std::optional<RecordedLine> line_of(const take::Event& event) {
   if (!details.is_object()) return std::nullopt;
   RecordedLine line{.begin = event.begin,
                     .end = event.end,
-                    .name = text_in(details, "name"),
-                    .text = text_in(details, "text"),
-                    .block = text_in(details, "block"),
-                    .emotion = text_in(details, "emotion"),
-                    .language = text_in(details, "language"),
-                    .has_target = false,
-                    .target = {},
-                    .attempt = 1,
-                    .poor = {}};
+                    .name = text_field(details, "name"),
+                    .text = text_field(details, "text"),
+                    .block = text_field(details, "block"),
+                    .emotion = text_field(details, "emotion"),
+                    .language = text_field(details, "language")};
   if (line.name.empty() || line.block.empty()) return std::nullopt;
   if (const auto target = details.find("target"); target != details.end() && target->is_object()) {
     line.has_target = true;

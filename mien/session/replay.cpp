@@ -4,7 +4,6 @@
 
 #include "mien/core/bytes.h"
 #include "mien/session/command.h"
-#include "mien/session/peers.h"
 #include "mien/session/performed_prologue.h"
 #include "mien/take/session_log.h"
 

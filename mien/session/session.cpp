@@ -1,14 +1,11 @@
 #include "mien/session/session.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "mien/core/units.h"
 #include "mien/sensor/rig_part.h"
+#include "mien/session/json_fields.h"
 #include "mien/shaping/bounds.h"
 
 namespace mien::session {
@@ -28,7 +25,7 @@ constexpr std::size_t kMostAsked = 128;
 constexpr std::uint64_t kDriftEvery = 60;
 
 std::string quoted(std::string_view key, std::string_view value) {
-  return nlohmann::json({{std::string(key), std::string(value)}}).dump();
+  return nlohmann::json({{key, value}}).dump();
 }
 
 }  // namespace
@@ -82,10 +79,7 @@ void Session::view_changed(std::uint16_t sensor, const sensor::PictureView& view
 void Session::contested(std::uint16_t sensor, std::string_view accepted, std::string_view other) {
   // A take's sources need not be UTF-8.
   add_event("contested", newest_frame_, newest_frame_,
-            nlohmann::json({{"sensor", rig().sensors[sensor].name},
-                            {"accepted", std::string(accepted)},
-                            {"other", std::string(other)}})
-                .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+            dumped({{"sensor", rig().sensors[sensor].name}, {"accepted", accepted}, {"other", other}}));
 }
 
 void Session::asked_to_recentre(HostTime arrival, std::string_view source) {
@@ -95,9 +89,7 @@ void Session::asked_to_recentre(HostTime arrival, std::string_view source) {
   if (guide_.running() || asked_ == kMostAsked || !check_versions()) return;
   ++asked_;
   recentre();
-  add_event("recentre", newest_frame_, newest_frame_,
-            nlohmann::json({{"source", std::string(source)}})
-                .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  add_event("recentre", newest_frame_, newest_frame_, dumped({{"source", source}}));
 }
 
 void Session::leave_guide(std::string_view why) {

@@ -141,7 +141,6 @@ class Session final : private SampleConsumer {
   void watch_drift(DeviceTime frame);
   void add_version(DeviceTime frame, std::string_view origin, std::vector<sensor::Score> scores);
   void add_event(std::string kind, DeviceTime begin, DeviceTime end, std::string json = {});
-  Result<void> use_version(std::int64_t id);
 
   Result<void> execute(const Calibrate& command);
   Result<void> execute(const CancelCalibration& command);

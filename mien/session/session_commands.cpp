@@ -45,7 +45,8 @@ Result<void> Session::execute(const CancelCalibration&) {
   return {};
 }
 
-Result<void> Session::use_version(std::int64_t id) {
+Result<void> Session::execute(const UseCalibration& command) {
+  const std::int64_t id = command.version;
   const auto found = std::ranges::find(versions_, id, &CalibrationVersion::id);
   if (found == versions_.end())
     return fail(ErrorCode::not_found, fmt::format("there is no calibration {}", id), kSession,
@@ -64,10 +65,6 @@ Result<void> Session::use_version(std::int64_t id) {
     if (bound_at_[i] > found->made) forget(i);
   add_event("calibrated", newest_frame_, newest_frame_, fmt::format(R"({{"version": {}}})", id));
   return {};
-}
-
-Result<void> Session::execute(const UseCalibration& command) {
-  return use_version(command.version);
 }
 
 Result<void> Session::check_versions() const {

@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <array>
-#include <utility>
 
-#include "mien/core/units.h"
 #include "mien/session/session.h"
 
 namespace mien::session {

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <optional>
 
+#include "mien/core/ascii.h"
 #include "mien/core/host_port.h"
 
 namespace mien::sink {
@@ -106,13 +107,11 @@ Result<Address> parse_address(std::string_view text) {
   if (text.size() > kMaxAddressBytes)
     return fail(ErrorCode::out_of_range, fmt::format("longer than {} bytes", kMaxAddressBytes),
                 "a sink's address");
-  if (std::ranges::any_of(text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }))
-    return fail(ErrorCode::bad_usage, "has control characters", "a sink's address");
+  if (has_control(text)) return fail(ErrorCode::bad_usage, "has control characters", "a sink's address");
   const std::size_t colon = text.find(':');
   Address address;
   address.scheme = text.substr(0, colon);
-  for (char& c : address.scheme)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  std::ranges::transform(address.scheme, address.scheme.begin(), ascii_lower);
   const bool named = !address.scheme.empty() &&
                      std::ranges::all_of(address.scheme, [](char c) { return c >= 'a' && c <= 'z'; });
   if (colon == std::string_view::npos || !named)

@@ -1,7 +1,6 @@
-#include "mien/sink/csv_sink.h"
+#include "mien/sink/sink_kinds.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -89,12 +88,8 @@ class CsvSink final : public Sink {
   void send(const face::OutputFrame& frame, std::int64_t frame_index) noexcept override {
     try {
       if (!pace_.due(frame_index)) return;
-      const auto floats = live_link_values(arkit_frame(frame));
-      const std::array<double, face::kLiveLinkValueCount> values = [&] {
-        std::array<double, face::kLiveLinkValueCount> doubles{};
-        std::ranges::copy(floats, doubles.begin());
-        return doubles;
-      }();
+      std::array<double, face::kLiveLinkValueCount> values{};
+      std::ranges::copy(live_link_values(arkit_frame(frame)), values.begin());
       row_.clear();
       face::append_livelink_row(
           face::format_timecode(face::timecode_at(to_seconds(frame.time.time_since_epoch()))), values, row_);

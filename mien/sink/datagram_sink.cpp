@@ -1,7 +1,5 @@
 #include "mien/sink/datagram_sink.h"
 
-#include <algorithm>
-
 namespace mien::sink {
 namespace {
 

@@ -1,4 +1,4 @@
-#include "mien/sink/ifacialmocap_sink.h"
+#include "mien/sink/sink_kinds.h"
 
 #include <fmt/format.h>
 
@@ -36,15 +36,6 @@ bool is_local(const boost::asio::ip::address& address) {
           .to_bytes();
   return b[0] == 127 || b[0] == 10 || (b[0] == 172 && (b[1] & 0xF0U) == 16) || (b[0] == 192 && b[1] == 168) ||
          (b[0] == 169 && b[1] == 254);
-}
-
-/// Whether packets to it come back to this machine: a socket may be bound to no other address.
-bool is_this_machine(boost::asio::io_context& network, const udp::endpoint& endpoint) {
-  udp::socket socket(network);
-  error_code code;
-  socket.open(endpoint.protocol(), code);
-  if (!code) socket.bind({endpoint.address(), 0}, code);
-  return !code;
 }
 
 /// One who gets frames.
@@ -177,7 +168,7 @@ Result<std::unique_ptr<Sink>> open_ifacialmocap_sink(boost::asio::io_context& ne
   MIEN_TRY_ASSIGN(const int version, address.whole_option("version", 2, 1, 2));
   MIEN_TRY_ASSIGN(UdpTarget target, UdpTarget::open(network, address, face::kIFacialMocapPort));
   const bool asked = address.option("listen") != nullptr;
-  const int usual = is_this_machine(network, target.endpoint()) ? 0 : int{face::kIFacialMocapPort};
+  const int usual = is_this_machine(target.endpoint().address()) ? 0 : int{face::kIFacialMocapPort};
   MIEN_TRY_ASSIGN(const int port, address.whole_option("listen", usual, 0, 65535));
   auto sink = std::make_unique<IFacialMocapSink>(
       network, std::string(text), std::move(target),

@@ -31,6 +31,12 @@ void put_list(std::string& out, std::string_view name, std::span<const float> va
   out += ']';
 }
 
+/// In the order of face::Provenance.
+char provenance_letter(face::Provenance provenance) {
+  constexpr std::string_view kLetters = "miphan";
+  return kLetters.at(static_cast<std::size_t>(provenance));
+}
+
 void put_sureness(std::string& out, std::string_view name, float confidence, face::Provenance provenance) {
   fmt::format_to(std::back_inserter(out), ",\"{}_confidence\":", name);
   put_number(out, static_cast<double>(confidence));
@@ -38,24 +44,6 @@ void put_sureness(std::string& out, std::string_view name, float confidence, fac
 }
 
 }  // namespace
-
-char provenance_letter(face::Provenance provenance) {
-  switch (provenance) {
-    case face::Provenance::measured:
-      return 'm';
-    case face::Provenance::interpolated:
-      return 'i';
-    case face::Provenance::predicted:
-      return 'p';
-    case face::Provenance::held:
-      return 'h';
-    case face::Provenance::audio:
-      return 'a';
-    case face::Provenance::neutral:
-      return 'n';
-  }
-  return 'n';
-}
 
 std::string hello_json(const Hello& hello) {
   OrderedJson json = {{"type", "hello"}, {"software", hello.software}, {"shapes", face::kShapeNames}};

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "mien/core/rotation.h"
@@ -43,8 +41,5 @@ struct Hello {
 /// allocates only while it grows.
 void write_frame_json(const face::OutputFrame& frame, std::int64_t frame_index,
                       const face::BlendshapeWeights* truth, std::string& out);
-
-/// The letter of a provenance: m, i, p, h, a, n.
-[[nodiscard]] char provenance_letter(face::Provenance provenance);
 
 }  // namespace mien::sink

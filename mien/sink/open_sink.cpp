@@ -1,18 +1,16 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 
+#include "mien/core/ascii.h"
 #include "mien/core/files.h"
-#include "mien/sink/csv_sink.h"
 #include "mien/sink/datagram_sink.h"
-#include "mien/sink/ifacialmocap_sink.h"
 #include "mien/sink/live_link.h"
 #include "mien/sink/sink.h"
+#include "mien/sink/sink_kinds.h"
 #include "mien/sink/vmc.h"
 #include "mien/sink/vrchat.h"
 #include "mien/sink/vrchat_avatar.h"
-#include "mien/sink/ws_sink.h"
 
 namespace mien::sink {
 namespace {
@@ -142,9 +140,7 @@ Opened open(io_context& network, const Address& address, std::string_view text) 
 Result<std::unique_ptr<Sink>> open_sink(io_context& network, std::string_view text) {
   const Result<Address> address = parse_address(text);
   // What is too long, or would be obeyed by a terminal, is not repeated.
-  const bool sayable = text.size() <= kMaxAddressBytes && std::ranges::none_of(text, [](char c) {
-                         return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
-                       });
+  const bool sayable = text.size() <= kMaxAddressBytes && !has_control(text);
   if (!address) return std::unexpected(sayable ? named(address.error(), text) : address.error());
   Opened opened = open(network, *address, text);
   if (!opened) return std::unexpected(named(std::move(opened).error(), text));

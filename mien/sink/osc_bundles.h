@@ -3,7 +3,6 @@
 #include <oscpack/osc/OscOutboundPacketStream.h>
 
 #include <array>
-#include <concepts>
 #include <cstddef>
 #include <string_view>
 
@@ -42,7 +41,13 @@ class OscBundles {
     return true;
   }
   /// Closes the last bundle. Call it once, at the end; without messages nothing is written.
-  void finish();
+  void finish() {
+    if (!open_) return;
+    stream_ << osc::EndBundle;
+    out_->begin();
+    out_->append(std::string_view(stream_.Data(), stream_.Size()));
+    open_ = false;
+  }
 
  private:
   static constexpr std::size_t kHeaderBytes = 16;

@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/buffer.hpp>
 
 namespace mien::sink {
@@ -26,32 +27,39 @@ Delivery delivery(const error_code& code) {
 }  // namespace
 
 std::string_view describe(Delivery what) {
-  switch (what) {
-    case Delivery::taken:
-      return "";
-    case Delivery::refused:
-      return "nobody listens there";
-    case Delivery::no_room:
-      return "this machine's network has no room; frames are left out";
-    case Delivery::unsupported:
-      return "this machine's network refuses the packets";
-  }
-  return "";
+  static constexpr std::array<std::string_view, 4> kWords = {
+      "", "nobody listens there", "this machine's network has no room; frames are left out",
+      "this machine's network refuses the packets"};
+  return kWords.at(static_cast<std::size_t>(what));
 }
 
-Result<UdpTarget> UdpTarget::open(boost::asio::io_context& network, const Address& address,
-                                  std::uint16_t default_port) {
-  const std::string where = address.endpoint(default_port);
+Result<boost::asio::ip::address> find_host(boost::asio::io_context& network, const Address& address,
+                                           std::uint16_t default_port) {
   udp::resolver resolver(network);
   error_code code;
   const auto found =
       resolver.resolve(address.host, std::to_string(address.port == 0 ? default_port : address.port), code);
   if (code || found.empty())
-    return fail(ErrorCode::not_found, fmt::format("the host '{}' is not found", address.host), where,
-                "check the name, or write its number");
+    return fail(ErrorCode::not_found, fmt::format("the host '{}' is not found", address.host),
+                address.endpoint(default_port), "check the name, or write its number");
   const auto v4 = std::find_if(found.begin(), found.end(),
                                [](const auto& entry) { return entry.endpoint().address().is_v4(); });
-  return open(network, (v4 == found.end() ? found.begin() : v4)->endpoint());
+  return (v4 == found.end() ? found.begin() : v4)->endpoint().address();
+}
+
+bool is_this_machine(const boost::asio::ip::address& address) {
+  boost::asio::io_context nothing;
+  udp::socket socket(nothing);
+  error_code code;
+  socket.open(address.is_v6() ? udp::v6() : udp::v4(), code);
+  if (!code) socket.bind({address, 0}, code);
+  return !code;
+}
+
+Result<UdpTarget> UdpTarget::open(boost::asio::io_context& network, const Address& address,
+                                  std::uint16_t default_port) {
+  MIEN_TRY_ASSIGN(const auto host, find_host(network, address, default_port));
+  return open(network, udp::endpoint(host, address.port == 0 ? default_port : address.port));
 }
 
 Result<UdpTarget> UdpTarget::open(boost::asio::io_context& network, const udp::endpoint& endpoint) {

@@ -5,7 +5,6 @@
 //
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
-#include <string>
 
 #include "mien/core/error.h"
 #include "mien/sink/address.h"
@@ -23,10 +22,19 @@ enum class Delivery {
 /// A few words for Status::note; empty for `taken`.
 [[nodiscard]] std::string_view describe(Delivery delivery);
 
+/// Where a host is: IPv4 before IPv6 where a name has both. Blocks while the name is looked up. Errors:
+/// not_found.
+[[nodiscard]] Result<boost::asio::ip::address> find_host(boost::asio::io_context& network,
+                                                         const Address& address, std::uint16_t default_port);
+
+/// Whether this machine has the address: a socket may be bound to no other. Also 127.0.0.2, which no
+/// interface names.
+[[nodiscard]] bool is_this_machine(const boost::asio::ip::address& address);
+
 /// A UDP receiver, resolved once. Its socket is connected, so that the receiver's refusals come back.
 class UdpTarget {
  public:
-  /// IPv4 before IPv6 where a name has both. Blocks while the name is looked up. Errors: not_found, io.
+  /// Errors: find_host()'s, io.
   [[nodiscard]] static Result<UdpTarget> open(boost::asio::io_context& network, const Address& address,
                                               std::uint16_t default_port);
   /// The same for a receiver that is known by number. Errors: io.

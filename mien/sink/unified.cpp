@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "mien/face/profile_map.h"
 
@@ -19,12 +18,16 @@ consteval std::size_t shape(std::string_view name) {
   return i;
 }
 
-/// A pair of base shapes, by the right one's index: the left one follows it.
+/// A pair of base shapes by what comes before "Right" and "Left": the left one follows the right one.
 struct Pair {
-  std::size_t right;
-  consteval explicit Pair(std::size_t right_shape) : right(right_shape) {
-    if (!kUnifiedNames[right].ends_with("Right") || !kUnifiedNames[right + 1].ends_with("Left"))
-      throw "no pair";
+  std::size_t right = 0;
+  consteval Pair(const char* name) {  // Implicit: a name that there is not does not compile.
+    const std::string_view stem = name;
+    const auto is = [stem](std::string_view shape, std::string_view side) {
+      return shape.starts_with(stem) && shape.substr(stem.size()) == side;
+    };
+    while (!is(kUnifiedNames[right], "Right")) ++right;
+    if (!is(kUnifiedNames[right + 1], "Left")) throw "no pair";
   }
 };
 float right(const Frame& f, Pair p) {
@@ -40,58 +43,28 @@ float larger(const Frame& f, Pair p) {
   return std::max(right(f, p), left(f, p));
 }
 
-constexpr Pair kEyeSquint{shape("EyeSquintRight")};
-constexpr Pair kEyeWide{shape("EyeWideRight")};
-constexpr Pair kBrowPinch{shape("BrowPinchRight")};
-constexpr Pair kBrowLowerer{shape("BrowLowererRight")};
-constexpr Pair kBrowInnerUp{shape("BrowInnerUpRight")};
-constexpr Pair kBrowOuterUp{shape("BrowOuterUpRight")};
-constexpr Pair kCheekSquint{shape("CheekSquintRight")};
-constexpr Pair kCheekPuff{shape("CheekPuffRight")};
-constexpr Pair kCheekSuck{shape("CheekSuckRight")};
-constexpr Pair kJaw{shape("JawRight")};
-constexpr Pair kSuckUpper{shape("LipSuckUpperRight")};
-constexpr Pair kSuckLower{shape("LipSuckLowerRight")};
-constexpr Pair kFunnelUpper{shape("LipFunnelUpperRight")};
-constexpr Pair kFunnelLower{shape("LipFunnelLowerRight")};
-constexpr Pair kPuckerUpper{shape("LipPuckerUpperRight")};
-constexpr Pair kPuckerLower{shape("LipPuckerLowerRight")};
-constexpr Pair kUpperUp{shape("MouthUpperUpRight")};
-constexpr Pair kNoseSneer{shape("NoseSneerRight")};
-constexpr Pair kLowerDown{shape("MouthLowerDownRight")};
-constexpr Pair kMouthUpper{shape("MouthUpperRight")};
-constexpr Pair kMouthLower{shape("MouthLowerRight")};
-constexpr Pair kCornerPull{shape("MouthCornerPullRight")};
-constexpr Pair kCornerSlant{shape("MouthCornerSlantRight")};
-constexpr Pair kFrown{shape("MouthFrownRight")};
-constexpr Pair kStretch{shape("MouthStretchRight")};
-constexpr Pair kDimple{shape("MouthDimpleRight")};
-constexpr Pair kPress{shape("MouthPressRight")};
-constexpr Pair kTightener{shape("MouthTightenerRight")};
-constexpr Pair kTongue{shape("TongueRight")};
-
 // One side of what is derived: +side is left() or right() of the pairs.
 using Side = float (*)(const Frame&, Pair);
 float brow_up(const Frame& f, Side side) {
-  return 0.6F * side(f, kBrowOuterUp) + 0.4F * side(f, kBrowInnerUp);
+  return 0.6F * side(f, "BrowOuterUp") + 0.4F * side(f, "BrowInnerUp");
 }
 float brow_down(const Frame& f, Side side) {
-  return 0.75F * side(f, kBrowLowerer) + 0.25F * side(f, kBrowPinch);
+  return 0.75F * side(f, "BrowLowerer") + 0.25F * side(f, "BrowPinch");
 }
 float brow_expression(const Frame& f, Side side) {
-  return std::min(1.0F, 0.5F * (side(f, kBrowInnerUp) + side(f, kBrowOuterUp))) - brow_down(f, side);
+  return std::min(1.0F, 0.5F * (side(f, "BrowInnerUp") + side(f, "BrowOuterUp"))) - brow_down(f, side);
 }
 float smile(const Frame& f, Side side) {
-  return 0.8F * side(f, kCornerPull) + 0.2F * side(f, kCornerSlant);
+  return 0.8F * side(f, "MouthCornerPull") + 0.2F * side(f, "MouthCornerSlant");
 }
 float sad(const Frame& f, Side side) {
-  return std::max(side(f, kFrown), side(f, kStretch));
+  return std::max(side(f, "MouthFrown"), side(f, "MouthStretch"));
 }
 float corner_y(const Frame& f, Side side) {
-  return side(f, kCornerSlant) - side(f, kFrown);
+  return side(f, "MouthCornerSlant") - side(f, "MouthFrown");
 }
 float lid(const Frame& f, std::size_t eye) {
-  return 0.75F * f.openness[eye] + 0.25F * (eye == 0 ? left : right)(f, kEyeWide);
+  return 0.75F * f.openness[eye] + 0.25F * (eye == 0 ? left : right)(f, "EyeWide");
 }
 float openness(const Frame& f) {
   return 0.5F * (f.openness[0] + f.openness[1]);
@@ -119,9 +92,9 @@ constexpr auto kDerived = std::to_array<UnifiedParameter>({
     {"EyeLidLeft", [](const Frame& f) { return lid(f, 0); }},
     {"EyeLidRight", [](const Frame& f) { return lid(f, 1); }},
     {"EyeLid", [](const Frame& f) { return 0.5F * (lid(f, 0) + lid(f, 1)); }},
-    {"EyeWide", [](const Frame& f) { return larger(f, kEyeWide); }},
-    {"EyeSquint", [](const Frame& f) { return larger(f, kEyeSquint); }},
-    {"EyesSquint", [](const Frame& f) { return larger(f, kEyeSquint); }},
+    {"EyeWide", [](const Frame& f) { return larger(f, "EyeWide"); }},
+    {"EyeSquint", [](const Frame& f) { return larger(f, "EyeSquint"); }},
+    {"EyesSquint", [](const Frame& f) { return larger(f, "EyeSquint"); }},
     {"PupilDilation", pupil},
     {"PupilDiameterLeft", pupil},
     {"PupilDiameterRight", pupil},
@@ -133,58 +106,58 @@ constexpr auto kDerived = std::to_array<UnifiedParameter>({
     {"BrowDownRight", [](const Frame& f) { return brow_down(f, right); }},
     {"BrowDownLeft", [](const Frame& f) { return brow_down(f, left); }},
     {"BrowDown", [](const Frame& f) { return 0.5F * (brow_down(f, right) + brow_down(f, left)); }},
-    {"BrowInnerUp", [](const Frame& f) { return mean(f, kBrowInnerUp); }},
-    {"BrowOuterUp", [](const Frame& f) { return mean(f, kBrowOuterUp); }},
+    {"BrowInnerUp", [](const Frame& f) { return mean(f, "BrowInnerUp"); }},
+    {"BrowOuterUp", [](const Frame& f) { return mean(f, "BrowOuterUp"); }},
     {"BrowExpressionRight", [](const Frame& f) { return brow_expression(f, right); }},
     {"BrowExpressionLeft", [](const Frame& f) { return brow_expression(f, left); }},
     {"BrowExpression",
      [](const Frame& f) { return 0.5F * (brow_expression(f, right) + brow_expression(f, left)); }},
     // Jaw and cheeks.
-    {"JawX", [](const Frame& f) { return right(f, kJaw) - left(f, kJaw); }},
+    {"JawX", [](const Frame& f) { return right(f, "Jaw") - left(f, "Jaw"); }},
     {"JawZ", [](const Frame& f) { return f.shapes[shape("JawForward")] - f.shapes[shape("JawBackward")]; }},
-    {"CheekSquint", [](const Frame& f) { return mean(f, kCheekSquint); }},
-    {"CheekPuffSuckLeft", [](const Frame& f) { return left(f, kCheekPuff) - left(f, kCheekSuck); }},
-    {"CheekPuffSuckRight", [](const Frame& f) { return right(f, kCheekPuff) - right(f, kCheekSuck); }},
-    {"CheekPuffSuck", [](const Frame& f) { return mean(f, kCheekPuff) - mean(f, kCheekSuck); }},
-    {"CheekSuck", [](const Frame& f) { return mean(f, kCheekSuck); }},
+    {"CheekSquint", [](const Frame& f) { return mean(f, "CheekSquint"); }},
+    {"CheekPuffSuckLeft", [](const Frame& f) { return left(f, "CheekPuff") - left(f, "CheekSuck"); }},
+    {"CheekPuffSuckRight", [](const Frame& f) { return right(f, "CheekPuff") - right(f, "CheekSuck"); }},
+    {"CheekPuffSuck", [](const Frame& f) { return mean(f, "CheekPuff") - mean(f, "CheekSuck"); }},
+    {"CheekSuck", [](const Frame& f) { return mean(f, "CheekSuck"); }},
     // Lips.
-    {"MouthUpperX", [](const Frame& f) { return right(f, kMouthUpper) - left(f, kMouthUpper); }},
-    {"MouthLowerX", [](const Frame& f) { return right(f, kMouthLower) - left(f, kMouthLower); }},
+    {"MouthUpperX", [](const Frame& f) { return right(f, "MouthUpper") - left(f, "MouthUpper"); }},
+    {"MouthLowerX", [](const Frame& f) { return right(f, "MouthLower") - left(f, "MouthLower"); }},
     {"MouthX",
      [](const Frame& f) {
-       return 0.5F * (right(f, kMouthUpper) + right(f, kMouthLower) - left(f, kMouthUpper) -
-                      left(f, kMouthLower));
+       return 0.5F * (right(f, "MouthUpper") + right(f, "MouthLower") - left(f, "MouthUpper") -
+                      left(f, "MouthLower"));
      }},
-    {"LipSuckUpper", [](const Frame& f) { return mean(f, kSuckUpper); }},
-    {"LipSuckLower", [](const Frame& f) { return mean(f, kSuckLower); }},
-    {"LipSuck", [](const Frame& f) { return 0.5F * (mean(f, kSuckUpper) + mean(f, kSuckLower)); }},
-    {"LipFunnelUpper", [](const Frame& f) { return mean(f, kFunnelUpper); }},
-    {"LipFunnelLower", [](const Frame& f) { return mean(f, kFunnelLower); }},
-    {"LipFunnel", [](const Frame& f) { return 0.5F * (mean(f, kFunnelUpper) + mean(f, kFunnelLower)); }},
-    {"LipPuckerUpper", [](const Frame& f) { return mean(f, kPuckerUpper); }},
-    {"LipPuckerLower", [](const Frame& f) { return mean(f, kPuckerLower); }},
-    {"LipPuckerLeft", [](const Frame& f) { return 0.5F * (left(f, kPuckerUpper) + left(f, kPuckerLower)); }},
+    {"LipSuckUpper", [](const Frame& f) { return mean(f, "LipSuckUpper"); }},
+    {"LipSuckLower", [](const Frame& f) { return mean(f, "LipSuckLower"); }},
+    {"LipSuck", [](const Frame& f) { return 0.5F * (mean(f, "LipSuckUpper") + mean(f, "LipSuckLower")); }},
+    {"LipFunnelUpper", [](const Frame& f) { return mean(f, "LipFunnelUpper"); }},
+    {"LipFunnelLower", [](const Frame& f) { return mean(f, "LipFunnelLower"); }},
+    {"LipFunnel", [](const Frame& f) { return 0.5F * (mean(f, "LipFunnelUpper") + mean(f, "LipFunnelLower")); }},
+    {"LipPuckerUpper", [](const Frame& f) { return mean(f, "LipPuckerUpper"); }},
+    {"LipPuckerLower", [](const Frame& f) { return mean(f, "LipPuckerLower"); }},
+    {"LipPuckerLeft", [](const Frame& f) { return 0.5F * (left(f, "LipPuckerUpper") + left(f, "LipPuckerLower")); }},
     {"LipPuckerRight",
-     [](const Frame& f) { return 0.5F * (right(f, kPuckerUpper) + right(f, kPuckerLower)); }},
-    {"LipPucker", [](const Frame& f) { return 0.5F * (mean(f, kPuckerUpper) + mean(f, kPuckerLower)); }},
-    {"LipSuckFunnelUpper", [](const Frame& f) { return mean(f, kSuckUpper) - mean(f, kFunnelUpper); }},
-    {"LipSuckFunnelUpperLeft", [](const Frame& f) { return left(f, kSuckUpper) - left(f, kFunnelUpper); }},
-    {"LipSuckFunnelUpperRight", [](const Frame& f) { return right(f, kSuckUpper) - right(f, kFunnelUpper); }},
-    {"LipSuckFunnelLower", [](const Frame& f) { return mean(f, kSuckLower) - mean(f, kFunnelLower); }},
-    {"LipSuckFunnelLowerLeft", [](const Frame& f) { return left(f, kSuckLower) - left(f, kFunnelLower); }},
-    {"LipSuckFunnelLowerRight", [](const Frame& f) { return right(f, kSuckLower) - right(f, kFunnelLower); }},
+     [](const Frame& f) { return 0.5F * (right(f, "LipPuckerUpper") + right(f, "LipPuckerLower")); }},
+    {"LipPucker", [](const Frame& f) { return 0.5F * (mean(f, "LipPuckerUpper") + mean(f, "LipPuckerLower")); }},
+    {"LipSuckFunnelUpper", [](const Frame& f) { return mean(f, "LipSuckUpper") - mean(f, "LipFunnelUpper"); }},
+    {"LipSuckFunnelUpperLeft", [](const Frame& f) { return left(f, "LipSuckUpper") - left(f, "LipFunnelUpper"); }},
+    {"LipSuckFunnelUpperRight", [](const Frame& f) { return right(f, "LipSuckUpper") - right(f, "LipFunnelUpper"); }},
+    {"LipSuckFunnelLower", [](const Frame& f) { return mean(f, "LipSuckLower") - mean(f, "LipFunnelLower"); }},
+    {"LipSuckFunnelLowerLeft", [](const Frame& f) { return left(f, "LipSuckLower") - left(f, "LipFunnelLower"); }},
+    {"LipSuckFunnelLowerRight", [](const Frame& f) { return right(f, "LipSuckLower") - right(f, "LipFunnelLower"); }},
     // Mouth.
-    {"MouthUpperUp", [](const Frame& f) { return mean(f, kUpperUp); }},
-    {"MouthLowerDown", [](const Frame& f) { return mean(f, kLowerDown); }},
-    {"MouthOpen", [](const Frame& f) { return 0.5F * (mean(f, kUpperUp) + mean(f, kLowerDown)); }},
-    {"MouthStretch", [](const Frame& f) { return mean(f, kStretch); }},
-    {"MouthTightener", [](const Frame& f) { return mean(f, kTightener); }},
-    {"MouthPress", [](const Frame& f) { return mean(f, kPress); }},
-    {"MouthDimple", [](const Frame& f) { return mean(f, kDimple); }},
-    {"NoseSneer", [](const Frame& f) { return mean(f, kNoseSneer); }},
-    {"MouthTightenerStretch", [](const Frame& f) { return mean(f, kTightener) - mean(f, kStretch); }},
-    {"MouthTightenerStretchLeft", [](const Frame& f) { return left(f, kTightener) - left(f, kStretch); }},
-    {"MouthTightenerStretchRight", [](const Frame& f) { return right(f, kTightener) - right(f, kStretch); }},
+    {"MouthUpperUp", [](const Frame& f) { return mean(f, "MouthUpperUp"); }},
+    {"MouthLowerDown", [](const Frame& f) { return mean(f, "MouthLowerDown"); }},
+    {"MouthOpen", [](const Frame& f) { return 0.5F * (mean(f, "MouthUpperUp") + mean(f, "MouthLowerDown")); }},
+    {"MouthStretch", [](const Frame& f) { return mean(f, "MouthStretch"); }},
+    {"MouthTightener", [](const Frame& f) { return mean(f, "MouthTightener"); }},
+    {"MouthPress", [](const Frame& f) { return mean(f, "MouthPress"); }},
+    {"MouthDimple", [](const Frame& f) { return mean(f, "MouthDimple"); }},
+    {"NoseSneer", [](const Frame& f) { return mean(f, "NoseSneer"); }},
+    {"MouthTightenerStretch", [](const Frame& f) { return mean(f, "MouthTightener") - mean(f, "MouthStretch"); }},
+    {"MouthTightenerStretchLeft", [](const Frame& f) { return left(f, "MouthTightener") - left(f, "MouthStretch"); }},
+    {"MouthTightenerStretchRight", [](const Frame& f) { return right(f, "MouthTightener") - right(f, "MouthStretch"); }},
     {"MouthCornerYLeft", [](const Frame& f) { return corner_y(f, left); }},
     {"MouthCornerYRight", [](const Frame& f) { return corner_y(f, right); }},
     {"MouthCornerY", [](const Frame& f) { return 0.5F * (corner_y(f, left) + corner_y(f, right)); }},
@@ -192,15 +165,15 @@ constexpr auto kDerived = std::to_array<UnifiedParameter>({
     {"MouthSmileLeft", [](const Frame& f) { return smile(f, left); }},
     {"MouthSadRight", [](const Frame& f) { return sad(f, right); }},
     {"MouthSadLeft", [](const Frame& f) { return sad(f, left); }},
-    {"SmileFrownRight", [](const Frame& f) { return smile(f, right) - right(f, kFrown); }},
-    {"SmileFrownLeft", [](const Frame& f) { return smile(f, left) - left(f, kFrown); }},
-    {"SmileFrown", [](const Frame& f) { return 0.5F * (smile(f, right) + smile(f, left)) - mean(f, kFrown); }},
+    {"SmileFrownRight", [](const Frame& f) { return smile(f, right) - right(f, "MouthFrown"); }},
+    {"SmileFrownLeft", [](const Frame& f) { return smile(f, left) - left(f, "MouthFrown"); }},
+    {"SmileFrown", [](const Frame& f) { return 0.5F * (smile(f, right) + smile(f, left)) - mean(f, "MouthFrown"); }},
     {"SmileSadRight", [](const Frame& f) { return smile(f, right) - sad(f, right); }},
     {"SmileSadLeft", [](const Frame& f) { return smile(f, left) - sad(f, left); }},
     {"SmileSad",
      [](const Frame& f) { return 0.5F * (smile(f, right) + smile(f, left) - sad(f, right) - sad(f, left)); }},
     // Tongue.
-    {"TongueX", [](const Frame& f) { return right(f, kTongue) - left(f, kTongue); }},
+    {"TongueX", [](const Frame& f) { return right(f, "Tongue") - left(f, "Tongue"); }},
     {"TongueY", [](const Frame& f) { return f.shapes[shape("TongueUp")] - f.shapes[shape("TongueDown")]; }},
     {"TongueArchY",
      [](const Frame& f) { return f.shapes[shape("TongueCurlUp")] - f.shapes[shape("TongueBendDown")]; }},

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "mien/core/ascii.h"
 #include "mien/core/excerpt.h"
 
 namespace mien::sink {
@@ -50,8 +51,7 @@ Result<VrchatAvatar::Parameter> parse_input(const Json& input, const std::string
   if (address->size() > kMaxAddress)
     return fail(ErrorCode::out_of_range, fmt::format("an address is longer than {} bytes", kMaxAddress),
                 where);
-  if (!address->starts_with('/') ||
-      std::ranges::any_of(*address, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }))
+  if (!address->starts_with('/') || has_control(*address))
     return fail(ErrorCode::malformed, "an address is not one of OSC's", where);
   VrchatAvatar::Parameter parameter{*address, {}};
   if (*type == "Float")

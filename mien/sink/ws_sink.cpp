@@ -1,4 +1,4 @@
-#include "mien/sink/ws_sink.h"
+#include "mien/sink/sink_kinds.h"
 
 #include <fmt/format.h>
 
@@ -10,6 +10,7 @@
 
 #include "mien/sink/frame_pace.h"
 #include "mien/sink/json_frame.h"
+#include "mien/sink/udp_target.h"
 #include "mien/sink/ws_admission.h"
 #include "mien/sink/ws_connection.h"
 
@@ -186,20 +187,13 @@ Result<std::unique_ptr<Sink>> open_ws_sink(boost::asio::io_context& network, con
   const std::string token = given == nullptr ? std::string() : *given;
 
   const std::string where = address.endpoint(kWsPort);
-  tcp::resolver resolver(network);
-  error_code code;
-  const auto found =
-      resolver.resolve(address.host, std::to_string(address.port == 0 ? kWsPort : address.port), code);
-  if (code || found.empty())
-    return fail(ErrorCode::not_found, fmt::format("the host '{}' is not found", address.host), where,
-                "check the name, or write its number");
-  const auto v4 = std::find_if(found.begin(), found.end(),
-                               [](const auto& entry) { return entry.endpoint().address().is_v4(); });
-  const tcp::endpoint endpoint = (v4 == found.end() ? found.begin() : v4)->endpoint();
+  MIEN_TRY_ASSIGN(const auto host, find_host(network, address, kWsPort));
+  const tcp::endpoint endpoint(host, address.port == 0 ? kWsPort : address.port);
 
   const auto hello = std::make_shared<const std::string>(hello_json({.software = "mien " MIEN_VERSION}));
   const auto audience = std::make_shared<Audience>(network, hello, token);
   if (role == nullptr || *role == "listen") {
+    error_code code;
     auto door = open_door(network, endpoint, code);
     if (door) {
       if (!endpoint.address().is_loopback() && token.empty())

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/live/running_session.h"
+#include "app/live/demo_session.h"
 #include "mien/core/files.h"
 #include "mien/live/intake.h"
 #include "mien/modalities/modalities.h"
@@ -84,8 +84,7 @@ struct PageSoundTest : ::testing::Test {
   std::atomic<bool> wanted = true;
   std::vector<std::string> told;
   live::FeedPort::Tell tell = [this](const std::string& kind, const std::string&) { told.push_back(kind); };
-  live::FeedState state;
-  live::FeedPort port{source, stop, wanted, tell, state};
+  live::FeedPort port{source, stop, wanted, tell};
   Clock::time_point start;
   PageSound sound;
   std::vector<std::uint64_t> blocks;
@@ -106,7 +105,7 @@ TEST_F(PageSoundTest, OfAnyRateItBecomesBlocksNumberedOnTheMachinesClock) {
     for (std::size_t i = 5; i < loudness.size(); ++i) EXPECT_NEAR(loudness[i], 0.2, 0.03) << rate_hz;
   }
   EXPECT_THAT(told, IsEmpty());
-  EXPECT_EQ(state.trouble(), "");
+  EXPECT_EQ(port.state().trouble, "");
 }
 
 TEST_F(PageSoundTest, AGapIsCountedOverAndShortOnesAreFilled) {
@@ -129,7 +128,7 @@ TEST_F(PageSoundTest, MoreThanRealTimeIsRefusedAndToldOnce) {
   EXPECT_LE(taken, 51) << "a second at once";
   EXPECT_GE(taken, 49);
   EXPECT_THAT(told, ElementsAre("microphone_failed"));
-  EXPECT_THAT(state.trouble(), HasSubstr("refused"));
+  EXPECT_THAT(port.state().trouble, HasSubstr("refused"));
   // Twenty thousand empty-handed ones a second: each counts for something.
   taken = 0;
   for (std::uint64_t i = 0; i < 20'000; ++i)
@@ -144,7 +143,7 @@ TEST_F(PageSoundTest, WhatStandsElsewhereIsRefusedUntilItStays) {
   EXPECT_FALSE(send(tone(16'000, speech::kMostSamples - 1, 320), milliseconds(2030)));
   EXPECT_FALSE(send(tone(16'000, 320 * 60, 320), milliseconds(2040))) << "repeated";
   EXPECT_EQ(stream(16'000, 102, 150), 48) << "and it goes on";
-  EXPECT_THAT(state.trouble(), IsEmpty());
+  EXPECT_THAT(port.state().trouble, IsEmpty());
   // A line that was held up for 1.5 s brings the old sound at once: what is too late is left out.
   int taken = 0;
   for (int i = 150; i < 225; ++i)
@@ -178,10 +177,10 @@ TEST_F(PageSoundTest, SilenceAndNothingAreTold) {
   EXPECT_THAT(told, IsEmpty());
   EXPECT_EQ(stream(16'000, 249, 260, {}, 0), 11);
   EXPECT_THAT(told, ElementsAre("microphone_silent"));
-  EXPECT_THAT(state.trouble(), HasSubstr("silent for 5 s"));
+  EXPECT_THAT(port.state().trouble, HasSubstr("silent for 5 s"));
   EXPECT_EQ(stream(16'000, 260, 262), 2);
   EXPECT_THAT(told, ElementsAre("microphone_silent", "microphone_heard"));
-  EXPECT_EQ(state.trouble(), "");
+  EXPECT_EQ(port.state().trouble, "");
 
   told.clear();
   sound.look(1, start + seconds(6));
@@ -190,38 +189,38 @@ TEST_F(PageSoundTest, SilenceAndNothingAreTold) {
   sound.look(1, start + seconds(9));
   sound.look(1, start + seconds(30));
   EXPECT_THAT(told, ElementsAre("microphone_lost"));
-  EXPECT_THAT(state.trouble(), HasSubstr("nothing comes"));
+  EXPECT_THAT(port.state().trouble, HasSubstr("nothing comes"));
   sound.look(0, start + seconds(31));
-  EXPECT_EQ(state.trouble(), "") << "nobody is to be heard";
+  EXPECT_EQ(port.state().trouble, "") << "nobody is to be heard";
   sound.look(0, start + seconds(60));
   EXPECT_EQ(told.size(), 1U);
 }
 
 TEST_F(PageSoundTest, ARefusalAndASilenceDoNotHideEachOthersEnd) {
   EXPECT_EQ(stream(16'000, 0, 260, {}, 0), 260);
-  EXPECT_THAT(state.trouble(), HasSubstr("silent for 5 s"));
+  EXPECT_THAT(port.state().trouble, HasSubstr("silent for 5 s"));
   EXPECT_FALSE(send(tone(16'000, 320 * 250, 320, 0), milliseconds(5210)));
-  EXPECT_THAT(state.trouble(), HasSubstr("it repeats what was heard; press Stop"));
+  EXPECT_THAT(port.state().trouble, HasSubstr("it repeats what was heard; press Stop"));
   EXPECT_EQ(stream(16'000, 260, 261, {}, 0), 1);
-  EXPECT_THAT(state.trouble(), HasSubstr("silent for 5 s")) << "it still is";
+  EXPECT_THAT(port.state().trouble, HasSubstr("silent for 5 s")) << "it still is";
   EXPECT_THAT(told, ElementsAre("microphone_silent", "microphone_failed")) << "and was told";
   EXPECT_FALSE(send(tone(16'000, 320 * 250, 320, 0), milliseconds(5230)));
   EXPECT_EQ(stream(16'000, 261, 262), 1) << "sound ends both";
-  EXPECT_EQ(state.trouble(), "");
+  EXPECT_EQ(port.state().trouble, "");
 
   // A stream that begins anew has not been silent yet, and is told of in its turn.
   const auto late = seconds(11);
   EXPECT_EQ(stream(16'000, 262, 530, {}, 0), 268);
-  EXPECT_THAT(state.trouble(), HasSubstr("silent for 5 s"));
+  EXPECT_THAT(port.state().trouble, HasSubstr("silent for 5 s"));
   told.clear();
   EXPECT_EQ(stream(16'000, 0, 249, late, 0), 249);
   EXPECT_THAT(told, IsEmpty());
-  EXPECT_EQ(state.trouble(), "");
+  EXPECT_EQ(port.state().trouble, "");
   EXPECT_EQ(stream(16'000, 249, 260, late, 0), 11);
   EXPECT_THAT(told, ElementsAre("microphone_silent"));
-  EXPECT_THAT(state.trouble(), HasSubstr("silent for 5 s"));
+  EXPECT_THAT(port.state().trouble, HasSubstr("silent for 5 s"));
   sound.look(1, start + seconds(17));
-  EXPECT_EQ(state.trouble(), "") << "another is to be heard";
+  EXPECT_EQ(port.state().trouble, "") << "another is to be heard";
 }
 
 TEST_F(PageSoundTest, WhatCameBeforeItBeganIsOfTheFirstBlock) {
@@ -241,13 +240,13 @@ TEST_F(PageSoundTest, FullScaleConstantAndUnreadableSoundHarmNothing) {
   EXPECT_GE(blocks.size(), 95U);
   for (const char* bytes : {"", "MSND", "not a sound at all, but long enough"}) {
     EXPECT_FALSE(sound.take(1, std::as_bytes(std::span(std::string_view(bytes))), start + seconds(3)));
-    EXPECT_THAT(state.trouble(), HasSubstr("; load the page anew"));
+    EXPECT_THAT(port.state().trouble, HasSubstr("; load the page anew"));
   }
   EXPECT_THAT(told, ElementsAre("microphone_failed"));
   EXPECT_FALSE(sound.take(2, {}, start + seconds(3)));
   EXPECT_EQ(told.size(), 2U) << "of each client once";
   EXPECT_TRUE(send(tone(48'000, 0, 960), seconds(4)));
-  EXPECT_EQ(state.trouble(), "") << "and a new beginning is heard";
+  EXPECT_EQ(port.state().trouble, "") << "and a new beginning is heard";
   drain();
   EXPECT_EQ(rises(), 0U);
 }

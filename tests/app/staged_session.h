@@ -15,7 +15,7 @@
 
 #include "mien/live/page_messages.h"
 #include "mien/live/page_server.h"
-#include "mien/session/peers.h"
+#include "mien/session/receiver.h"
 #include "tests/session/session_run.h"
 
 namespace mien::app::test {

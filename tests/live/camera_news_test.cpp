@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "mien/live/line_news.h"
-
 namespace mien::live::camera_news_test {
 namespace {
 

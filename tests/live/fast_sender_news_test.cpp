@@ -19,10 +19,10 @@ using ::testing::StartsWith;
 class Floods {
  public:
   /// Goes on for so long, each sender at its rate, 1/s.
-  std::vector<FastSenderNews::Sentence> go_on(double seconds, const std::vector<double>& rates_hz) {
+  std::vector<Sentence> go_on(double seconds, const std::vector<double>& rates_hz) {
     sent_.resize(rates_hz.size());
     dropped_.resize(rates_hz.size());
-    std::vector<FastSenderNews::Sentence> said;
+    std::vector<Sentence> said;
     for (int look = 0; look < 10 * seconds; ++look) {
       now_ += std::chrono::milliseconds(100);
       std::vector<Intake::FastSender> fast;
@@ -70,7 +70,7 @@ TEST(FastSenderNews, SaysNothingOfOneBurst) {
 
 TEST(FastSenderNews, OfOneThatFloodsByTurnsSaysLittle) {
   Floods floods;
-  std::vector<FastSenderNews::Sentence> said;
+  std::vector<Sentence> said;
   for (int turn = 0; turn < 10; ++turn) {
     for (auto& one : floods.go_on(3, {3000})) said.push_back(std::move(one));
     for (auto& one : floods.go_on(6, {0})) said.push_back(std::move(one));

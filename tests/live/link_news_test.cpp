@@ -19,7 +19,7 @@ take::Event event(bool lost, const std::string& sensor) {
 
 std::vector<std::string> texts(LinkNews& news, double seconds, const std::vector<take::Event>& events) {
   std::vector<std::string> out;
-  for (const LinkNews::Sentence& said : news.tell(at(seconds), events)) out.push_back(said.text);
+  for (const Sentence& said : news.tell(at(seconds), events)) out.push_back(said.text);
   return out;
 }
 using Texts = std::vector<std::string>;

@@ -7,9 +7,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::vector<std::string> kinds(const std::vector<RecordingNews::Sentence>& news) {
+std::vector<std::string> kinds(const std::vector<Sentence>& news) {
   std::vector<std::string> out;
-  for (const RecordingNews::Sentence& one : news) out.push_back(one.kind);
+  for (const Sentence& one : news) out.push_back(one.kind);
   return out;
 }
 using Kinds = std::vector<std::string>;

@@ -14,7 +14,6 @@
 #include "mien/imu/packets/node_protocol.h"
 #include "mien/imu/packets/slimevr_protocol.h"
 #include "mien/performer/prologue.h"
-#include "mien/session/peers.h"
 #include "mien/session/session.h"
 #include "mien/virtual/imu/imu_session.h"
 #include "tests/virtual/three_sensors.h"

@@ -1,4 +1,4 @@
-#include "mien/sink/csv_sink.h"
+#include "mien/sink/sink_kinds.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "mien/sink/ws_sink.h"
+#include "mien/sink/sink_kinds.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -7,7 +7,7 @@
 
 #include "mien/core/sha256.h"
 #include "mien/modalities/modalities.h"
-#include "mien/session/peers.h"
+#include "mien/session/receiver.h"
 #include "mien/session/replay.h"
 #include "tests/solve/performed_take.h"
 #include "tests/tracker/tiny_model.h"

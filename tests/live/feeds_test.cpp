@@ -1,14 +1,15 @@
 // Which browser a session hears: asked for over the page's own server, by another than our own code.
 #include "tests/live/page_client.h"
 
-#include "mien/live/hearing.h"
+#include "mien/live/feeds.h"
 
 #include <gmock/gmock.h>
 
 #include "mien/live/intake.h"
+#include "mien/live/page_messages.h"
 #include "mien/live/page_server.h"
 
-namespace mien::live::hearing_test {
+namespace mien::live::feeds_test {
 namespace {
 
 using test::PageClient;
@@ -45,38 +46,38 @@ TEST(PageInlet, TakesOneClientsMessagesAndNoMoreThanItHasRoomFor) {
   EXPECT_GE((taken + 2) * large.size(), PageInlet::kQueueBytes / 2);
 }
 
-struct HearingTest : ::testing::Test {
+struct FeedsTest : ::testing::Test {
   void open(bool wanted, bool shut, std::shared_ptr<PageInlet> inlet) {
-    std::vector<Feed> feeds;
+    std::vector<Feed> all;
     if (!shut)
-      feeds.push_back({"microphone:page", [](FeedPort& out) { out.trouble("no sound"); }, std::move(inlet)});
-    ASSERT_TRUE(hearing.open(std::move(feeds), wanted, shut, intake));
+      all.push_back({"microphone:page", [](FeedPort& out) { out.trouble("no sound"); }, std::move(inlet)});
+    ASSERT_TRUE(feeds.open(std::move(all), wanted, shut, intake));
     auto made = PageServer::open(
         network, PageSettings{.host = "127.0.0.1", .port = 0, .token = {}, .assets = {}},
         [] { return std::string(R"({"type": "hello"})"); },
         [this](std::uint64_t client, std::string_view text) { say(client, text); },
-        [this](std::uint64_t client, std::span<const std::byte> bytes) { hearing.take(client, bytes); });
+        [this](std::uint64_t client, std::span<const std::byte> bytes) { feeds.take(client, bytes); });
     ASSERT_TRUE(made) << made.error().message();
     page = *std::move(made);
     port = test::port_of(page->address());
   }
   void say(std::uint64_t client, std::string_view text) {
     const auto command = nlohmann::json::parse(text);
-    const auto done = hearing.microphone(client, command["on"].get<bool>(), *page);
+    const auto done = feeds.microphone(client, command["on"].get<bool>(), *page);
     page->send(client, reply_json(command["id"].get<std::int64_t>(), done ? "" : done.error().message()));
   }
 
   boost::asio::io_context network;
   Intake intake{network, [] { return HostTime(); }};
   std::unique_ptr<PageServer> page;
-  Hearing hearing;
+  Feeds feeds;
   std::uint16_t port = 0;
 };
 
 const nlohmann::json kOn = {{"command", "microphone"}, {"on", true}};
 const nlohmann::json kOff = {{"command", "microphone"}, {"on", false}};
 
-TEST_F(HearingTest, OneBrowserIsHeardUntilItStopsIsReplacedGoesOrIsSwitchedOff) {
+TEST_F(FeedsTest, OneBrowserIsHeardUntilItStopsIsReplacedGoesOrIsSwitchedOff) {
   const auto inlet = std::make_shared<PageInlet>();
   open(true, false, inlet);
   PageClient one(network, port);
@@ -84,7 +85,7 @@ TEST_F(HearingTest, OneBrowserIsHeardUntilItStopsIsReplacedGoesOrIsSwitchedOff) 
   one.send(bytes_of("unasked"));
   EXPECT_TRUE(run_until(network, [&] { return inlet->refused() == 1; }));
   EXPECT_EQ(one.ask(kOn)["ok"], true);
-  EXPECT_TRUE(hearing.state().browser->heard);
+  EXPECT_TRUE(feeds.state().browser->heard);
   one.send(bytes_of("sound"));
   EXPECT_TRUE(run_until(network, [&] { return inlet->front().has_value(); }));
   EXPECT_TRUE(std::ranges::equal(inlet->front()->bytes, bytes_of("sound")));
@@ -96,48 +97,48 @@ TEST_F(HearingTest, OneBrowserIsHeardUntilItStopsIsReplacedGoesOrIsSwitchedOff) 
   one.send(bytes_of("still me"));
   EXPECT_TRUE(run_until(network, [&] { return inlet->refused() == 2; }));
   EXPECT_EQ(one.ask(kOff)["ok"], true);
-  EXPECT_TRUE(hearing.state().browser->heard) << "the other one is";
+  EXPECT_TRUE(feeds.state().browser->heard) << "the other one is";
 
   two.reset();
   EXPECT_TRUE(run_until(network, [&] { return page->clients() == 1; }));
-  hearing.look(std::nullopt, page.get());
-  EXPECT_FALSE(hearing.state().browser->heard) << "it is gone";
+  feeds.look(std::nullopt, page.get());
+  EXPECT_FALSE(feeds.state().browser->heard) << "it is gone";
 
   EXPECT_EQ(one.ask(kOn)["ok"], true);
   EXPECT_EQ(one.ask(kOff)["ok"], true);
-  EXPECT_FALSE(hearing.state().browser->heard);
+  EXPECT_FALSE(feeds.state().browser->heard);
 
   EXPECT_EQ(one.ask(kOn)["ok"], true);
-  hearing.look(false, page.get());
-  EXPECT_FALSE(hearing.state().browser->heard);
+  feeds.look(false, page.get());
+  EXPECT_FALSE(feeds.state().browser->heard);
   EXPECT_TRUE(run_until(network, [&] { return one.last("microphone")["why"] == ""; }));
   const auto refused = one.ask(kOn);
   EXPECT_EQ(refused["ok"], false);
   EXPECT_THAT(refused["error"].get<std::string>(), HasSubstr("switched off"));
-  hearing.look(true, page.get());
+  feeds.look(true, page.get());
   EXPECT_EQ(one.ask(kOn)["ok"], true);
-  EXPECT_EQ(hearing.state().browser->refused, 2U);
+  EXPECT_EQ(feeds.state().browser->refused, 2U);
 }
 
-TEST_F(HearingTest, AShutSessionAndOneOfOtherFeedsHearNoBrowser) {
+TEST_F(FeedsTest, AShutSessionAndOneOfOtherFeedsHearNoBrowser) {
   open(false, true, nullptr);
   PageClient client(network, port);
   EXPECT_THAT(client.ask(kOn)["error"].get<std::string>(), HasSubstr("--no-audio"));
   client.send(bytes_of("sound"));
   EXPECT_EQ(client.ask(kOff)["ok"], false) << "and it is still there";
-  EXPECT_TRUE(hearing.state().shut);
-  EXPECT_FALSE(hearing.state().browser);
+  EXPECT_TRUE(feeds.state().shut);
+  EXPECT_FALSE(feeds.state().browser);
 }
 
-TEST_F(HearingTest, WhatStandsAgainstHearingIsKept) {
+TEST_F(FeedsTest, WhatStandsAgainstHearingIsKept) {
   open(true, false, nullptr);
-  EXPECT_EQ(hearing.state().trouble, "");
-  hearing.begin([](const std::string&, const std::string&) {});
-  EXPECT_TRUE(run_until(network, [&] { return hearing.state().trouble == "no sound"; }));
+  EXPECT_EQ(feeds.state().trouble, "");
+  feeds.begin([](const std::string&, const std::string&) {});
+  EXPECT_TRUE(run_until(network, [&] { return feeds.state().trouble == "no sound"; }));
   PageClient client(network, port);
   EXPECT_THAT(client.ask(kOn)["error"].get<std::string>(), HasSubstr("--audio page"));
-  hearing.end();
+  feeds.end();
 }
 
 }  // namespace
-}  // namespace mien::live::hearing_test
+}  // namespace mien::live::feeds_test
