@@ -16,10 +16,10 @@
 #include "lab/bench/clock.h"
 #include "lab/bench/onnx_peer.h"
 #include "lab/commands/output.h"
+#include "lab/peak.h"
 #include "mien/core/error.h"
 #include "mien/core/time.h"
 #include "mien/face/frame_hash.h"
-#include "mien/model/peak.h"
 #include "mien/model/precision.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/crowd.h"
@@ -239,8 +239,8 @@ Result<void> run_causal_bench(const CausalBench& asked) {
 
   const Progress progress = app::terminal_progress("bench causal");
   Figures f;
-  f.peak_gflops = model::peak_gflops();
-  f.cache_gb_s = model::read_gb_s(kCacheBytes);
+  f.peak_gflops = peak_gflops();
+  f.cache_gb_s = read_gb_s(kCacheBytes);
   f.hot_step_s = measure_hot_step(tracker.network());
   f.weight_bytes = tracker.network().weight_bytes();
   f.flop = model::flop_count(file.architecture);

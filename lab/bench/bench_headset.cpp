@@ -21,6 +21,7 @@
 #include "lab/bench/onnx_peer.h"
 #include "lab/commands/output.h"
 #include "lab/headset/camera_pictures.h"
+#include "lab/peak.h"
 #include "mien/core/error.h"
 #include "mien/core/files.h"
 #include "mien/core/progress.h"
@@ -33,7 +34,6 @@
 #include "mien/headset/headset_tracker.h"
 #include "mien/headset/picture_decoder.h"
 #include "mien/model/backbone.h"
-#include "mien/model/peak.h"
 #include "mien/onnx/export_model.h"
 #include "mien/onnx/rival_graphs.h"
 #include "mien/render/infrared_scene.h"
@@ -409,7 +409,7 @@ Result<EncoderFigures> measure(const HeadsetBench& options) {
   const Progress progress = app::terminal_progress("bench headset");
   const Headset headset(options.seed);
   std::vector<Encoder> encoders;
-  EncoderFigures f{.peak_gflops = model::peak_gflops(), .flop = headset.flop()};
+  EncoderFigures f{.peak_gflops = peak_gflops(), .flop = headset.flop()};
   for (const Precision precision : kPrecisions) {
     MIEN_TRY_ASSIGN(Encoder encoder, Encoder::create(headset, precision));
     encoders.push_back(std::move(encoder));
