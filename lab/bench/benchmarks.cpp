@@ -210,7 +210,6 @@ void add_benchmarks(app::Commands& commands) {
   add_attack_bench(commands, bench);
   add_render_bench(commands, bench);
   add_shaping_bench(commands, bench);
-  add_speech_bench(commands, bench);
   add_onnxruntime_bench(commands, bench);
   add_causal_bench(commands, bench);
   add_headset_bench(commands, bench);
