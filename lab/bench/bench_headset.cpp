@@ -19,6 +19,7 @@
 #include "app/json_output.h"
 #include "lab/bench/clock.h"
 #include "lab/bench/onnx_peer.h"
+#include "lab/bench/rival_graphs.h"
 #include "lab/commands/output.h"
 #include "lab/headset/camera_pictures.h"
 #include "lab/peak.h"
@@ -35,7 +36,6 @@
 #include "mien/headset/picture_decoder.h"
 #include "mien/model/backbone.h"
 #include "mien/onnx/export_model.h"
-#include "mien/onnx/rival_graphs.h"
 #include "mien/render/infrared_scene.h"
 #include "mien/render/jpeg.h"
 #include "mien/sensor/clock_model.h"
@@ -389,7 +389,7 @@ Result<EncoderFigures::Peers> measure_peers(const Headset& headset, const Encode
   }
   const std::size_t ours = graphs.size();
   Random random(seed);
-  for (const onnx::RivalGraph& rival : {onnx::rival_eye_graph(seed), onnx::rival_mouth_graph(seed)}) {
+  for (const RivalGraph& rival : {rival_eye_graph(seed), rival_mouth_graph(seed)}) {
     PeerGraph& graph = graphs.emplace_back(PeerGraph{.onnx = rival.onnx, .inputs = {}, .expected = {}});
     Floats pictures(
         std::accumulate(rival.input.begin(), rival.input.end(), std::size_t{1}, std::multiplies()));
