@@ -201,7 +201,6 @@ class FacePhones {
 
 namespace asio = boost::asio;
 using asio::ip::udp;
-using Bytes = std::vector<std::byte>;
 
 constexpr int kSamples = 4;  // A packet, as our nodes send them.
 constexpr double kSampleRateHz = 240;

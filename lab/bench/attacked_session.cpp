@@ -45,6 +45,7 @@ using asio::ip::udp;
 
 /// Who speaks first does so this long before the devices, and who speaks second this long after them.
 constexpr auto kLead = std::chrono::seconds(1);
+/// In which a session listens, asks its cameras, and ends when it is asked to.
 constexpr auto kPatience = std::chrono::seconds(20);
 /// The devices' source text in a log begins so: strangers have other addresses.
 constexpr std::string_view kDevices = "udp://127.0.0.1:";
@@ -251,10 +252,6 @@ Result<void> perform_for(const AttackScene& scene, const Boards& boards, std::ui
   return {};
 }
 
-namespace asio = boost::asio;
-
-/// In which a session asks its cameras, and ends when it is asked to.
-constexpr auto kAnswers = std::chrono::seconds(20);
 /// Of a session until it is judged: by then it has asked its cameras and its clocks have settled.
 constexpr double kBegins_s = 2;
 constexpr std::size_t kPicturesKept = 40;
@@ -298,11 +295,11 @@ const Columns<AttackFigures>& attack_columns() {
 }
 
 Result<std::string> read_summary(const app::ChildOutput& said, AttackFigures& out) {
-  app::Json summary = app::Json::parse(said.out, nullptr, false);
+  Json summary = Json::parse(said.out, nullptr, false);
   if (summary.is_discarded() || !summary.contains("latency_ms"))
     return fail(ErrorCode::internal, said.complaints.empty() ? "the session said nothing" : said.complaints,
                 "bench attack");
-  const auto number = [](const app::Json& object, const char* name) {
+  const auto number = [](const Json& object, const char* name) {
     return object[name].is_number() ? object[name].get<double>() : 0.0;
   };
   out.frames = number(summary, "frames");
@@ -404,7 +401,7 @@ Result<AttackFigures> run_attacked_cameras(const CameraScene& scene, const Attac
                   start_live(scene.rig, scene.model, take, face.local_endpoint().port(),
                              {"--listen", good[0], "--listen", second, "--listen", good[1]}));
   for (const auto from = Clock::now(); !cameras->are_all_watched();) {
-    if (Clock::now() - from > kAnswers)
+    if (Clock::now() - from > kPatience)
       return fail(ErrorCode::io, "the session asks for no pictures", good[0]);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
@@ -417,7 +414,7 @@ Result<AttackFigures> run_attacked_cameras(const CameraScene& scene, const Attac
   AttackFigures out;
   if (hostile) out.sent = static_cast<double>(hostile->sent());
   // It is asked to end while the camera goes on.
-  MIEN_TRY_ASSIGN(const app::ChildOutput said, session.stop(kAnswers));
+  MIEN_TRY_ASSIGN(const app::ChildOutput said, session.stop(kPatience));
   MIEN_TRY_ASSIGN(const std::string hash, read_summary(said, out));
   if (out.frames > 0) MIEN_TRY(read_camera_take(scene, take, hash, good, out));
   return out;

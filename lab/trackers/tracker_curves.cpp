@@ -145,28 +145,18 @@ Result<TrackerCurves> parse_livelink_curves(std::string_view text, const std::st
     return fail(ErrorCode::out_of_range, fmt::format("there are more than {} rows", kMaxTrackerRows), name,
                 "cut the recording into parts");
   const face::LiveLinkMotion loaded = face::motion_from_livelink(csv, name);
-  TrackerCurves out = curves_of(loaded.motion, name);
-  out.warnings = loaded.warnings;
-  for (TrackerRow& row : out.rows) row.time_s += loaded.start_s;
+  TrackerCurves out{.name = name, .rows = {}, .told = {}, .warnings = loaded.warnings};
+  for (const face::MotionFrame& frame : loaded.motion.frames) {
+    TrackerRow& row =
+        out.rows.emplace_back(TrackerRow{.time_s = frame.time_s + loaded.start_s, .weights = {}});
+    if (frame.has_face) row.weights = frame.weights;
+  }
   // A shape without a column reads as 0 there: it was not told.
-  out.told.reset();
   std::optional<std::string_view> rest = first_line_of(text);
   while (const auto cell = next_header_cell(rest)) {
     if (face::arkit_index(*cell) >= face::kArkitCount) continue;
     for (const std::size_t k : face::shapes_of_name(*cell))
       if (k < face::kShapeCount) out.told.set(k);
-  }
-  return out;
-}
-
-TrackerCurves curves_of(const face::Motion& motion, std::string name) {
-  TrackerCurves out{.name = std::move(name), .rows = {}, .told = {}, .warnings = {}};
-  out.told.set();
-  out.rows.reserve(motion.frames.size());
-  for (const face::MotionFrame& frame : motion.frames) {
-    TrackerRow& row = out.rows.emplace_back();
-    row.time_s = frame.time_s;
-    if (frame.has_face) row.weights = frame.weights;
   }
   return out;
 }

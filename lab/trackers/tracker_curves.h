@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "mien/core/error.h"
-#include "mien/face/motion.h"
 #include "mien/face/profile.h"
 
 // What a face tracker told of a face, whichever it is (docs/reference/tracker_curves.md).
@@ -80,9 +79,6 @@ class CurveNames {
 /// A Live Link Face recording; rows without a face are gaps, times are its time code in seconds. Told is what
 /// has a column. Errors: those of face::parse_livelink_csv.
 [[nodiscard]] Result<TrackerCurves> parse_livelink_curves(std::string_view text, const std::string& name);
-
-/// A motion, such as a take's truth or a performance: all 53 told, frames without a face are gaps.
-[[nodiscard]] TrackerCurves curves_of(const face::Motion& motion, std::string name);
 
 /// The same with its first row at 0 s: for recordings whose clocks have nothing to do with each other.
 [[nodiscard]] TrackerCurves counted_from_start(TrackerCurves curves);
