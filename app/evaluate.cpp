@@ -226,10 +226,9 @@ void add_evaluate_command(Commands& commands) {
   options->model.add_to(command);
   options->shaping.add_to(command);
   options->truth.add_to(command);
-  command.add_flag(
-      "--ablate", options->ablate,
-      "Measure once more with each step of shaping left out: one row a step. Shapes by the defaults "
-      "where no --shaping says otherwise");
+  command.add_flag("--ablate", options->ablate,
+                   "Measure once more with each step of shaping left out: one row a step. Shapes by the "
+                   "defaults where no --shaping says otherwise");
   command
       .add_option(
           "--every", options->every_min,
@@ -239,10 +238,9 @@ void add_evaluate_command(Commands& commands) {
                      "Face to measure on (default: the take's own where it is found, else builtin)");
   command.add_option("--report", options->report, "Write a self-contained HTML page with plots");
   command
-      .add_flag(
-          "--no-adapt", options->no_adapt,
-          "Do not personalise the live model on a take's full prologue first; with --truth, and of a model "
-          "that learnt from a phone, it never is")
+      .add_flag("--no-adapt", options->no_adapt,
+                "Do not personalise the live model on a take's full prologue first; with --truth, and of a "
+                "model that learnt from a phone, it never is")
       .excludes(command.option("--window"));
   add_json_flag(command, options->json);
 }

@@ -55,11 +55,10 @@ Result<solve::PhoneTrack> open_phone_track(const take::Take& take,
 }
 
 void PhoneOption::add_to(const Command& command, const std::string& does) {
-  const Option truth = command.add_option(
-      "--truth", truth_,
-      does +
-          ": \"phone\" (the truth that was recorded in the take), or a Live Link Face CSV that a phone "
-          "recorded meanwhile");
+  const Option truth = command.add_option("--truth", truth_,
+                                          does +
+                                              ": \"phone\" (the truth that was recorded in the take), or a "
+                                              "Live Link Face CSV that a phone recorded meanwhile");
   command
       .add_flag("--raw", raw_,
                 "Read the phone's file as named, even where a calibrated NAME_cal.csv lies beside it")

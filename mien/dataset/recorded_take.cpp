@@ -265,11 +265,10 @@ Result<RecordedTake> read_recorded_take(const take::Take& take) {
                     sound_from(take, samples, identity.part ? identity.part->begin : features.front().time));
   }
   if (out.stretches.empty())
-    return fail(
-        ErrorCode::not_found,
-        "nothing in it counts: no two seconds with a face and a sensor, after the calibration and outside "
-        "of poor lines",
-        take.path().string(), "record it again");
+    return fail(ErrorCode::not_found,
+                "nothing in it counts: no two seconds with a face and a sensor, after the calibration and "
+                "outside of poor lines",
+                take.path().string(), "record it again");
   const take::Header& header = take.header();
   out.overview.path = take.path();
   out.overview.videos = videos_beside(take.path());

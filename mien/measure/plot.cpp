@@ -216,12 +216,11 @@ std::string svg(const LinePlot& plot) {
 
   const Scale x{x_low, x_high, kLeft, kWidth - kRight}, y{y_low, y_high, height - kBottom, kTop};
   std::string out;
-  open_svg(
-      out, height, plot.title,
-      fmt::format(" data-x=\"{} {}\" data-y=\"{} {}\" data-told=\"{:d} {:d}\" data-frame=\"{} {} {} {}\" "
-                  "data-steps=\"{} {}\"",
-                  x_low, x_high, y_low, y_high, plot.y_low.has_value(), plot.y_high.has_value(), x.from, x.to,
-                  y.from, y.to, kStepsOfX, kStepsOfY));
+  open_svg(out, height, plot.title,
+           fmt::format(" data-x=\"{} {}\" data-y=\"{} {}\" data-told=\"{:d} {:d}\" data-frame=\"{} {} {} "
+                       "{}\" data-steps=\"{} {}\"",
+                       x_low, x_high, y_low, y_high, plot.y_low.has_value(), plot.y_high.has_value(), x.from,
+                       x.to, y.from, y.to, kStepsOfX, kStepsOfY));
   value_label(out, y, plot.y_label);
   text_at(out, 0.5 * (kLeft + kWidth - kRight), height - 6, "middle", plot.x_label, " class=\"along\"");
   out += "<g class=\"whole\">\n";
