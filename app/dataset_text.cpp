@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/one_line.h"
+#include "app/command.h"
 
 namespace mien::app {
 namespace {

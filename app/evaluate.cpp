@@ -12,7 +12,6 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/model_option.h"
-#include "app/one_line.h"
 #include "app/shaping_option.h"
 #include "app/truth_option.h"
 #include "mien/core/excerpt.h"

@@ -7,7 +7,6 @@
 
 #include "app/child_program.h"
 #include "app/command.h"
-#include "app/skin.h"
 
 extern char** environ;
 

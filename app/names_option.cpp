@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "app/command.h"
-#include "app/one_line.h"
 #include "mien/core/nearest_word.h"
 
 namespace mien::app {

@@ -13,7 +13,6 @@
 #include "app/command.h"
 #include "app/film.h"
 #include "app/json_output.h"
-#include "app/one_line.h"
 #include "app/performance.h"
 #include "mien/core/files.h"
 #include "mien/core/nearest_word.h"

@@ -10,7 +10,6 @@
 #include "app/live/live_command.h"
 #include "app/live/live_session.h"
 #include "app/live/phones_beside.h"
-#include "app/one_line.h"
 #include "mien/modalities/modalities.h"
 #include "mien/session/replay.h"
 
