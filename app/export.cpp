@@ -6,8 +6,8 @@
 
 #include "app/chosen_face.h"
 #include "app/command.h"
+#include "app/gltf_option.h"
 #include "app/json_output.h"
-#include "app/names_option.h"
 #include "app/performance.h"
 #include "app/write_motion.h"
 #include "mien/core/files.h"
