@@ -26,19 +26,14 @@ struct AlignOptions {
   bool json = false;
 };
 
-/// How a first guess is called, for programs and for people.
+/// How first guesses are called, for programs and for people; by solve::FirstGuess.
+constexpr std::pair<const char*, const char*> kGuessNames[] = {{"none", "none, every offset was tried"},
+                                                               {"arrivals", "when both arrived"},
+                                                               {"sound", "what both heard"},
+                                                               {"taps", "three taps that both saw"}};
+
 std::pair<const char*, const char*> named(solve::FirstGuess guess) {
-  switch (guess) {
-    case solve::FirstGuess::arrivals:
-      return {"arrivals", "when both arrived"};
-    case solve::FirstGuess::sound:
-      return {"sound", "what both heard"};
-    case solve::FirstGuess::taps:
-      return {"taps", "three taps that both saw"};
-    case solve::FirstGuess::none:
-      break;
-  }
-  return {"none", "none, every offset was tried"};
+  return kGuessNames[static_cast<std::size_t>(guess)];
 }
 
 void print(const solve::PhoneTruth& truth, const solve::PhoneTrack& track) {
