@@ -61,16 +61,23 @@ struct Take::State {
     return statement;
   }
 
+  /// On to the next of such rows. False at their end, where there are none any more.
+  [[nodiscard]] Result<bool> step(std::optional<Statement>& rows) const {
+    const int rc = rows ? rows->step() : SQLITE_DONE;
+    if (rc == SQLITE_ROW) return true;
+    if (rc != SQLITE_DONE) return std::unexpected(open.database.error(rc));
+    rows.reset();
+    return false;
+  }
+
   /// Goes through such a table: `read(row, key)` of each row, which it may reject.
   template <class Read>
   [[nodiscard]] Result<void> visit(TableId id, std::string_view columns, const Read& read) const {
     MIEN_TRY_ASSIGN(std::optional<Statement> rows, open_rows(id, columns));
-    if (!rows) return {};
     std::optional<std::int64_t> previous;
     for (;;) {
-      const int rc = rows->step();
-      if (rc == SQLITE_DONE) return {};
-      if (rc != SQLITE_ROW) return std::unexpected(open.database.error(rc));
+      MIEN_TRY_ASSIGN(const bool more, step(rows));
+      if (!more) return {};
       Row row(*rows, table_of(id).name);
       // Also what ends the reading of a file whose pages go round in a circle.
       const std::int64_t key = sqlite3_column_int64(rows->get(), 0);
@@ -193,12 +200,8 @@ struct EntryReader::State {
 
   /// On to the next entry, or to the end.
   [[nodiscard]] Result<void> advance() {
-    const int rc = rows->step();
-    if (rc == SQLITE_DONE) {
-      rows.reset();
-      return {};
-    }
-    if (rc != SQLITE_ROW) return std::unexpected(take->open.database.error(rc));
+    MIEN_TRY_ASSIGN(const bool more, take->step(rows));
+    if (!more) return {};
     Row row(*rows, table_of(TableId::log).name);
     // Also what ends the reading of a file whose pages go round in a circle.
     if (sqlite3_column_int64(rows->get(), 0) != ++entry.id)
@@ -219,7 +222,7 @@ EntryReader& EntryReader::operator=(EntryReader&&) noexcept = default;
 EntryReader::~EntryReader() = default;
 
 Result<const LogEntry*> EntryReader::next() {
-  if (state_->rows) MIEN_TRY(state_->advance());
+  MIEN_TRY(state_->advance());
   return state_->rows ? &state_->entry : nullptr;
 }
 
@@ -243,19 +246,16 @@ Result<std::vector<LogEntry>> Take::entries() const {
 
 struct PayloadReader::State {
   const Take::State* take = nullptr;
-  Statement statement;
-  bool over = false;
-  std::int64_t entry = 0;  // Of the row that stands; 0 before the first.
+  std::optional<Statement> rows;  // None: the end.
+  std::int64_t entry = 0;         // Of the row that stands; 0 before the first.
   std::string reducer;
   std::span<const std::byte> bytes;
 
   /// On to the next row, or to the end.
   [[nodiscard]] Result<void> advance() {
-    const int rc = statement.step();
-    over = rc == SQLITE_DONE;
-    if (over) return {};
-    if (rc != SQLITE_ROW) return std::unexpected(take->open.database.error(rc));
-    Row row(statement, table_of(TableId::payload).name);
+    MIEN_TRY_ASSIGN(const bool more, take->step(rows));
+    if (!more) return {};
+    Row row(*rows, table_of(TableId::payload).name);
     entry = row.integer(0, entry + 1, take->entry_count());
     reducer = row.text(1, sensor::kReducerHashDigits);
     if (!reducer.empty() && !sensor::is_reducer_hash(reducer)) row.reject("its reducer is no SHA-256");
@@ -273,22 +273,15 @@ PayloadReader::~PayloadReader() = default;
 
 Result<sensor::Payload> PayloadReader::of(std::int64_t entry) {
   State& s = *state_;
-  while (!s.over && s.entry < entry) MIEN_TRY(s.advance());
-  if (s.over || s.entry != entry) return sensor::Payload();
+  while (s.rows && s.entry < entry) MIEN_TRY(s.advance());
+  if (!s.rows || s.entry != entry) return sensor::Payload();
   return sensor::Payload{s.bytes, s.reducer};
 }
 
 Result<PayloadReader> Take::payloads() const {
   auto reader = std::make_unique<PayloadReader::State>();
   reader->take = state_.get();
-  const auto last = state_->last_row_of(TableId::payload);
-  reader->over = !last;
-  if (last) {
-    MIEN_TRY_ASSIGN(reader->statement,
-                    state_->open.database.prepare("SELECT entry,reducer,bytes FROM payload WHERE entry<=?1 "
-                                                  "ORDER BY entry"));
-    reader->statement.bind(1, *last);
-  }
+  MIEN_TRY_ASSIGN(reader->rows, state_->open_rows(TableId::payload, "reducer,bytes"));
   return PayloadReader(std::move(reader));
 }
 
