@@ -31,7 +31,8 @@ double minutes(double seconds) {
 
 class Datasheet {
  public:
-  Datasheet(const ExportRequest& request, const Export& exported) : request_(request), exported_(exported) {}
+  Datasheet(const ExportRequest& request, const Export& exported)
+      : request_(request), exported_(exported), totals_(exported.dataset.totals()) {}
 
   std::string text() {
     what_it_is();
@@ -68,13 +69,12 @@ class Datasheet {
 
   const ExportRequest& request_;
   const Export& exported_;
+  const TakeTotals totals_;
   std::string out_;
 };
 
 void Datasheet::what_it_is() {
   const RecordedDataset& dataset = exported_.dataset;
-  TakeSeconds seconds;
-  for (const TakeOverview& take : dataset.takes) seconds += take.seconds;
   std::filesystem::path folder = dataset.folder.lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
   add("# Datasheet: {}\n\n", markdown_text(folder.filename().string(), 100));
@@ -83,7 +83,7 @@ void Datasheet::what_it_is() {
       dataset.sensors.size());
   add("{} people, {} takes, {:.1f} minutes that count. Windows of {} frames at 60 Hz, one every {} "
       "frames.\n\n",
-      dataset.people.size(), dataset.takes.size(), minutes(seconds.counted), request_.window,
+      dataset.people.size(), dataset.takes.size(), minutes(totals_.seconds.counted), request_.window,
       request_.stride);
   add("Written by {}:\n\n    {}\n\n", markdown_text(request_.software, 100), excerpt(request_.command, 1000));
   add("The same takes, splits and command give the same bytes.\n\n");
@@ -206,27 +206,18 @@ void Datasheet::files() {
 
 void Datasheet::labels() {
   add("## Labels\n\n");
-  LabelAmounts blocks, emotions, languages;
-  std::size_t good = 0, poor = 0;
-  for (const TakeOverview& take : exported_.dataset.takes) {
-    add_labels(take.blocks, blocks);
-    add_labels(take.emotions, emotions);
-    add_labels(take.languages, languages);
-    good += take.good_lines;
-    poor += take.poor_lines;
-  }
   add("{} lines are good, {} are poor and left out. Between lines the performer moved as they liked.\n\n",
-      good, poor);
-  if (blocks.empty() && emotions.empty() && languages.empty()) return;
+      totals_.good_lines, totals_.poor_lines);
+  if (totals_.blocks.empty() && totals_.emotions.empty() && totals_.languages.empty()) return;
   add("| label | | lines | minutes |\n|---|---|---|---|\n");
   const auto add_rows = [this](std::string_view kind, const LabelAmounts& amounts) {
     for (const auto& [label, amount] : amounts)
       add("| {} | {} | {} | {:.1f} |\n", kind, markdown_text(label, 60), amount.lines,
           minutes(amount.seconds));
   };
-  add_rows("block", blocks);
-  add_rows("emotion", emotions);
-  add_rows("language", languages);
+  add_rows("block", totals_.blocks);
+  add_rows("emotion", totals_.emotions);
+  add_rows("language", totals_.languages);
   add("\n");
 }
 
@@ -241,8 +232,7 @@ void Datasheet::shapes() {
 }
 
 void Datasheet::left_out() {
-  TakeSeconds seconds;
-  for (const TakeOverview& take : exported_.dataset.takes) seconds += take.seconds;
+  const TakeSeconds& seconds = totals_.seconds;
   add("## What was left out, and why\n\n");
   add("| of the takes that count | minutes |\n|---|---|\n");
   add("| no face was told | {:.1f} |\n", minutes(seconds.without_face));

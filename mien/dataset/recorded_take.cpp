@@ -215,13 +215,6 @@ void gather_stretches(std::span<const model::FeatureFrame> features, std::span<c
 
 }  // namespace
 
-void add_labels(const LabelAmounts& amounts, LabelAmounts& to) {
-  for (const auto& [label, amount] : amounts) {
-    to[label].lines += amount.lines;
-    to[label].seconds += amount.seconds;
-  }
-}
-
 TakeSeconds& TakeSeconds::operator+=(const TakeSeconds& other) {
   without_face += other.without_face;
   before_calibration += other.before_calibration;
@@ -230,6 +223,22 @@ TakeSeconds& TakeSeconds::operator+=(const TakeSeconds& other) {
   brief += other.brief;
   counted += other.counted;
   return *this;
+}
+
+void TakeTotals::add(const TakeOverview& take) {
+  seconds += take.seconds;
+  sound_s += take.sound_s;
+  good_lines += take.good_lines;
+  poor_lines += take.poor_lines;
+  const auto add_labels = [](const LabelAmounts& amounts, LabelAmounts& to) {
+    for (const auto& [label, amount] : amounts) {
+      to[label].lines += amount.lines;
+      to[label].seconds += amount.seconds;
+    }
+  };
+  add_labels(take.blocks, blocks);
+  add_labels(take.emotions, emotions);
+  add_labels(take.languages, languages);
 }
 
 Result<TakeIdentity> identify_take(const take::Take& take) {
