@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "app/command.h"
-#include "app/film_option.h"
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/phone_option.h"
@@ -22,25 +21,19 @@ namespace {
 
 struct AlignOptions {
   std::string take, phone, out;
-  FilmOption film;
-  bool raw = false;
+  PhoneReading reading;
   bool force = false;
   bool json = false;
 };
 
-/// How a first guess is called, for programs and for people.
+/// How first guesses are called, for programs and for people; by solve::FirstGuess.
+constexpr std::pair<const char*, const char*> kGuessNames[] = {{"none", "none, every offset was tried"},
+                                                               {"arrivals", "when both arrived"},
+                                                               {"sound", "what both heard"},
+                                                               {"taps", "three taps that both saw"}};
+
 std::pair<const char*, const char*> named(solve::FirstGuess guess) {
-  switch (guess) {
-    case solve::FirstGuess::arrivals:
-      return {"arrivals", "when both arrived"};
-    case solve::FirstGuess::sound:
-      return {"sound", "what both heard"};
-    case solve::FirstGuess::taps:
-      return {"taps", "three taps that both saw"};
-    case solve::FirstGuess::none:
-      break;
-  }
-  return {"none", "none, every offset was tried"};
+  return kGuessNames[static_cast<std::size_t>(guess)];
 }
 
 void print(const solve::PhoneTruth& truth, const solve::PhoneTrack& track) {
@@ -121,8 +114,7 @@ Result<void> run_align(const AlignOptions& options) {
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
   MIEN_TRY(check_aligns(take));
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, solve::take_features(take));
-  MIEN_TRY_ASSIGN(solve::PhoneTrack track, open_phone_track(take, features, options.phone, options.raw));
-  MIEN_TRY(add_sound_guess(take, features, options.phone, options.film, track));
+  MIEN_TRY_ASSIGN(const solve::PhoneTrack track, options.reading.open(take, features, options.phone));
   MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
   MIEN_TRY_ASSIGN(const solve::PhoneTruth truth, solve::phone_truth(events, features, track));
   if (!options.out.empty())
@@ -151,9 +143,7 @@ void add_align_command(Commands& commands) {
       "--out", options->out,
       "Write what the phone told at the take's frames, less its neutral face: .csv (Live Link Face)");
   command.add_flag("--force", options->force, "Replace --out where it exists");
-  command.add_flag("--raw", options->raw,
-                   "Read the phone's file as named, even where a calibrated NAME_cal.csv lies beside it");
-  add_film_options(command, options->film);
+  options->reading.add_to(command);
   add_json_flag(command, options->json);
 }
 

@@ -7,7 +7,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -22,6 +21,7 @@
 #include "mien/modalities/modalities.h"
 #include "mien/render/jpeg.h"
 #include "mien/sensor/bindings.h"
+#include "mien/sensor/picture_view.h"
 #include "mien/session/event_list.h"
 #include "mien/session/performed_prologue.h"
 #include "mien/session/prompt.h"
@@ -36,7 +36,6 @@ constexpr double kBegin_s = 1;
 /// As a rig's camera may have them (docs/guide/rigs.md).
 constexpr double kLeastFps = 1, kMostFps = 130;
 constexpr int kLeastSide = 16;
-constexpr double kLeastCrop = 0.05;
 constexpr std::size_t kMaxEventBytes = std::size_t{4} << 20U;
 /// The finest that a camera's picture has room for.
 constexpr int kQualities[] = {95, 85, 70, 50, 30, 10};
@@ -89,22 +88,11 @@ Result<std::array<double, 4>> parse_crop(const std::string& text) {
                   fmt::format("write it like {}", kLike));
     if (!last) at = read + 1;
   }
-  const auto [left, top, width, height] = crop;
-  // So that no number passes that is none.
-  if (!(left >= 0 && top >= 0 && width >= kLeastCrop && height >= kLeastCrop && left + width <= 1 &&
-        top + height <= 1))
+  if (!sensor::check_crop(crop, "--crop"))
     return fail(ErrorCode::bad_usage,
                 fmt::format("'{}' leaves the picture, or too little of it", excerpt(text)), "--crop",
                 fmt::format("write it like {}", kLike));
   return crop;
-}
-
-/// As parse_device reads it.
-std::string device_text(std::uint64_t device) {
-  std::string text;
-  for (int byte = 5; byte >= 0; --byte)
-    text += fmt::format("{}{:02X}", text.empty() ? "" : ":", (device >> (8 * byte)) & 0xFF);
-  return text;
 }
 
 /// The size that a picture has in the take: its own, or the largest of its shape that a camera may have.
@@ -164,10 +152,9 @@ Result<void> bind_cameras(std::vector<Recorded>& cameras, sensor::Rig& rig) {
   for (Recorded& camera : cameras) {
     auto found = std::ranges::find(bound, camera.sensor, [](const auto& one) { return one.second; });
     if (found == bound.end()) {
-      const std::uint64_t device = sensor::virtual_device(camera.sensor);
-      rig.sensors[camera.sensor].device = device_text(device);
-      bound.emplace_back(sensor::DeviceKey{device, 0}, camera.sensor);
-      found = std::prev(bound.end());
+      const sensor::DeviceKey device{sensor::virtual_device(camera.sensor), 0};
+      rig.sensors[camera.sensor].device = sensor::format_device(device);
+      found = bound.emplace(bound.end(), device, camera.sensor);
     }
     camera.device = found->first;
   }

@@ -196,7 +196,8 @@ Result<ChildOutput> run_child(std::vector<std::string> command, std::vector<std:
 
 Result<void> become_program(const fs::path& program, std::vector<std::string> command,
                             std::vector<std::string> environment) {
-  ::execve(program.c_str(), pointers(command).data(), pointers(environment).data());
+  ::execve(program.c_str(), pointers(command).data(),
+           environment.empty() ? environ : pointers(environment).data());
   return fail(ErrorCode::io, std::strerror(errno), program.string());
 }
 

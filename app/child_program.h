@@ -68,11 +68,11 @@ class Child {
                                             std::vector<std::string> environment = {});
 
 /// This process becomes that program, so that its exit status, its terminal and Ctrl-C are this one's; comes
-/// back only with an error. `command` begins with the name that the program is told to be called by. Errors:
-/// io.
+/// back only with an error. `command` begins with the name that the program is told to be called by;
+/// `environment`: as Child::start() has it. Errors: io.
 [[nodiscard]] Result<void> become_program(const std::filesystem::path& program,
                                           std::vector<std::string> command,
-                                          std::vector<std::string> environment);
+                                          std::vector<std::string> environment = {});
 
 /// Where a helper program ("mien-lab", "mien-media", "mien-train") stands: beside this program's real path.
 /// Errors: not_found, with what to build or install.

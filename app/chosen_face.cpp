@@ -5,7 +5,6 @@
 #include <cstdio>
 
 #include "app/command.h"
-#include "app/one_line.h"
 #include "mien/builtin_face/correctives.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/builtin_face/person.h"

@@ -16,7 +16,6 @@
 #include <optional>
 #include <system_error>
 
-#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 
 namespace mien::app {

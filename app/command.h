@@ -11,6 +11,7 @@
 
 #include "app/command_line.h"
 #include "mien/core/error.h"
+#include "mien/core/excerpt.h"
 #include "mien/core/progress.h"
 
 namespace mien::app {
@@ -47,6 +48,10 @@ class Commands {
   std::vector<std::pair<Command, std::function<Result<void>()>>> runs_;
 };
 
+/// What is wrong with a command line that `program` refused with `error`, as one line without the program's
+/// name: which command, what is wrong, what to do ("live: there is no option --recrod; did you mean
+/// --record? see mien live --help").
+[[nodiscard]] std::string usage_error(const Command& program, const ParseError& error);
 /// CLI11's own words, for programs that nobody starts by hand.
 [[nodiscard]] std::string plain_usage_error(const Command& program, const ParseError& error);
 
@@ -80,6 +85,11 @@ Option add_rig_option(const Command& command, std::string& rig);
 /// Draws the terminal's last line on stderr anew, cut to its width; only where stderr is a terminal.
 void draw_line(std::string_view line);
 
+/// What a stranger wrote, on one line, without anything that a terminal would obey (excerpt()).
+[[nodiscard]] inline std::string one_line(std::string_view text, std::size_t letters = 120) {
+  return excerpt(text, letters);
+}
+
 /// Minutes and seconds, "1:05"; from an hour on "1:01:05".
 [[nodiscard]] std::string clock_text(double seconds);
 
@@ -104,5 +114,9 @@ void add_solve_command(Commands& commands);
 void add_study_command(Commands& commands);
 void add_take_command(Commands& commands);
 void add_train_command(Commands& commands);
+/// Beneath `mien face`: its `profiles`.
+void add_face_profiles_command(Commands& commands, Command face);
+/// Beneath `mien study`: its `skin`, which writes a rig's [skin] table, a tool for rigs and no study.
+void add_skin_command(Commands& commands, const Command& study);
 
 }  // namespace mien::app

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/one_line.h"
+#include "app/command.h"
 
 namespace mien::app {
 namespace {
@@ -17,33 +17,10 @@ using dataset::LabelAmounts;
 using dataset::RecordedDataset;
 using dataset::TakeOverview;
 using dataset::TakeSeconds;
+using dataset::TakeTotals;
 
-/// All that is added up over takes.
-struct DatasetTotals {
-  TakeSeconds seconds;
-  double sound_s = 0;
-  std::size_t good_lines = 0, poor_lines = 0;
-  LabelAmounts blocks, emotions, languages;
-
-  void add(const TakeOverview& take) {
-    seconds += take.seconds;
-    sound_s += take.sound_s;
-    good_lines += take.good_lines;
-    poor_lines += take.poor_lines;
-    dataset::add_labels(take.blocks, blocks);
-    dataset::add_labels(take.emotions, emotions);
-    dataset::add_labels(take.languages, languages);
-  }
-};
-
-DatasetTotals totals_of(const RecordedDataset& dataset) {
-  DatasetTotals totals;
-  for (const TakeOverview& take : dataset.takes) totals.add(take);
-  return totals;
-}
-
-DatasetTotals totals_of(const RecordedDataset& dataset, const dataset::RecordedPerson& person) {
-  DatasetTotals totals;
+TakeTotals totals_of(const RecordedDataset& dataset, const dataset::RecordedPerson& person) {
+  TakeTotals totals;
   for (const std::size_t place : person.takes) totals.add(dataset.takes[place]);
   return totals;
 }
@@ -60,7 +37,7 @@ void print_people(const RecordedDataset& dataset) {
   fmt::print("\n{:<24}{:>7}{:>8}{:>8}{:>8}{:>8}{:>8}\n", "person", "takes", "min", "of", "lines", "poor",
              "sound");
   for (const dataset::RecordedPerson& person : dataset.people) {
-    const DatasetTotals totals = totals_of(dataset, person);
+    const TakeTotals totals = totals_of(dataset, person);
     fmt::print("{:<24}{:>7}{:>8.1f}{:>8.1f}{:>8}{:>8}{:>8.1f}\n", one_line(person.name, 23),
                person.takes.size(), in_minutes(totals.seconds.counted), in_minutes(totals.seconds.all()),
                totals.good_lines, totals.poor_lines, in_minutes(totals.sound_s));
@@ -154,7 +131,7 @@ Json json_of_labels(const LabelAmounts& amounts) {
   return json;
 }
 
-void add_totals(const DatasetTotals& totals, Json& to) {
+void add_totals(const TakeTotals& totals, Json& to) {
   to["seconds"] = json_of_seconds(totals.seconds);
   to["sound_s"] = totals.sound_s;
   to["good_lines"] = totals.good_lines;
@@ -200,7 +177,7 @@ Json json_of_take(const TakeOverview& take) {
                     {"agreement", at.agreement},          {"overlap_s", at.overlap_s},
                     {"left_out_s", take.sync->left_out_s}};
   }
-  DatasetTotals totals;
+  TakeTotals totals;
   totals.add(take);
   add_totals(totals, json);
   json["shapes"] = json_of_shapes(take.ranges);
@@ -210,7 +187,7 @@ Json json_of_take(const TakeOverview& take) {
 }  // namespace
 
 void print_dataset(const RecordedDataset& dataset) {
-  const DatasetTotals totals = totals_of(dataset);
+  const TakeTotals totals = dataset.totals();
   fmt::print("{}: {} people, {} takes, {:.1f} min that count of {:.1f}; takes left out: {}\n",
              one_line(dataset.folder.string()), dataset.people.size(), dataset.takes.size(),
              in_minutes(totals.seconds.counted), in_minutes(totals.seconds.all()), dataset.left_out.size());
@@ -230,7 +207,7 @@ Json json_of(const RecordedDataset& dataset) {
   Json json;
   json["folder"] = dataset.folder.string();
   json["sensors"] = dataset.sensors;
-  add_totals(totals_of(dataset), json);
+  add_totals(dataset.totals(), json);
   json["shapes"] = json_of_shapes(dataset.ranges);
   json["people"] = Json::array();
   for (const dataset::RecordedPerson& person : dataset.people) {

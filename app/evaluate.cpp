@@ -12,16 +12,18 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/model_option.h"
-#include "app/one_line.h"
+#include "app/phone_option.h"
 #include "app/shaping_option.h"
-#include "app/truth_option.h"
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/measure/evaluation_json.h"
 #include "mien/measure/evaluation_report.h"
 #include "mien/modalities/modalities.h"
+#include "mien/sensor/rig_part.h"
+#include "mien/solve/phone_truth.h"
 #include "mien/solve/region_tally.h"
 #include "mien/solve/solve.h"
+#include "mien/solve/trace_features.h"
 
 namespace mien::app {
 namespace {
@@ -30,7 +32,7 @@ struct EvaluateOptions {
   std::vector<std::string> takes;
   ModelOption model;
   ShapingOption shaping;
-  TruthOption truth;
+  PhoneOption phone;  // Not given: the takes' own truth.
   bool ablate = false;
   double every_min = 0;
   std::string face;
@@ -102,6 +104,50 @@ Result<face::Face> face_to_measure_on(const std::set<std::string>& performed_on,
   return chosen_face(name);
 }
 
+/// What a take is measured against.
+struct Truth {
+  std::vector<take::TruthFrame> frames;
+  std::optional<measure::ToldTruth> told;  ///< None: the take's own.
+};
+
+Result<std::vector<take::TruthFrame>> own_truth(const take::Take& take) {
+  auto own = solve::own_truth(take);
+  // What a phone told can be asked for where its time can be found.
+  if (!own && own.error().code == ErrorCode::not_found && check_aligns(take))
+    own.error().fix += sensor::truths_of(take.rig()).empty()
+                           ? ", or name what a phone recorded meanwhile (--truth FILE.csv)"
+                           : ", or measure against the phone that looked on (--truth phone)";
+  return own;
+}
+
+/// Of a phone it says on stderr what align says.
+Result<Truth> read_truth(const PhoneOption& phone, const take::Take& take) {
+  if (!phone.given()) {
+    MIEN_TRY_ASSIGN(std::vector<take::TruthFrame> own, own_truth(take));
+    return Truth{.frames = std::move(own), .told = {}};
+  }
+  MIEN_TRY(check_aligns(take));
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, solve::take_features(take));
+  MIEN_TRY_ASSIGN(const solve::PhoneTrack track, phone.open(take, features));
+  MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
+  auto truth = solve::phone_truth(events, features, track);
+  if (!truth) {
+    truth.error().where = take.path().string();
+    return std::unexpected(std::move(truth).error());
+  }
+  const auto known = std::ranges::count_if(truth->frames, &take::TruthFrame::evaluated);
+  const phone::TimeAlignment& at = truth->alignment;
+  const std::string file = std::filesystem::path(phone.file()).filename().string();
+  return Truth{.frames = std::move(truth->frames),
+               .told = measure::ToldTruth{.take = take.path().string(),
+                                          .by = file.empty() ? track.motion.name : file,
+                                          .agreement = at.agreement,
+                                          .offset_ms = 1e3 * at.offset_s,
+                                          .offset_sigma_ms = 1e3 * at.offset_sigma_s,
+                                          .known_s = static_cast<double>(known) / kFrameRateHz,
+                                          .rest_known = truth->rest.has_value()}};
+}
+
 /// Says of each reason for which a wearer was not learnt, why: `takes` are those that it holds of.
 void say_unlearnt(const std::map<std::string, std::vector<std::string>>& unlearnt) {
   for (const auto& [why, takes] : unlearnt) {
@@ -113,7 +159,9 @@ void say_unlearnt(const std::map<std::string, std::vector<std::string>>& unlearn
 
 Result<void> run_evaluate(EvaluateOptions options) {
   if (!options.report.empty()) MIEN_TRY(check_output(options.report, {".html"}));
-  MIEN_TRY(options.truth.check(options.takes.size()));
+  if (!options.phone.file().empty() && options.takes.size() > 1)
+    return fail(ErrorCode::bad_usage, "a phone's file belongs to one take",
+                "--truth " + options.phone.truth(), "evaluate the takes apart");
   std::vector<take::Take> takes;
   std::vector<std::vector<take::TruthFrame>> truths;  // Of each take.
   std::vector<measure::ToldTruth> told;
@@ -121,7 +169,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
   std::set<std::string> performed_on;
   for (const std::string& path : options.takes) {
     MIEN_TRY_ASSIGN(take::Take take, take::Take::open(path));
-    MIEN_TRY_ASSIGN(TruthOption::Truth truth, options.truth.read(take));
+    MIEN_TRY_ASSIGN(Truth truth, read_truth(options.phone, take));
     truths.push_back(std::move(truth.frames));
     if (truth.told) told.push_back(*std::move(truth.told));
     devices.insert(take.header().devices);
@@ -134,7 +182,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
                   take.path().string(), "evaluate them apart");
   MIEN_TRY_ASSIGN(const OpenModel::Shaping shaping, options.shaping.read());
   // Of a session's take the prompts may lie among what a phone's truth is known of.
-  options.model.adapt = !options.no_adapt && !options.truth.told();
+  options.model.adapt = !options.no_adapt && !options.phone.given();
   MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(takes.front().rig()));
   std::string face_name = options.face;
   MIEN_TRY_ASSIGN(const face::Face face, face_to_measure_on(performed_on, face_name));
@@ -225,11 +273,10 @@ void add_evaluate_command(Commands& commands) {
   command.add_option("takes", options->takes, "Takes with a truth track, or with --truth").required();
   options->model.add_to(command);
   options->shaping.add_to(command);
-  options->truth.add_to(command);
-  command.add_flag(
-      "--ablate", options->ablate,
-      "Measure once more with each step of shaping left out: one row a step. Shapes by the defaults "
-      "where no --shaping says otherwise");
+  options->phone.add_to(command, "Measure against what a phone told and not the take's own truth track");
+  command.add_flag("--ablate", options->ablate,
+                   "Measure once more with each step of shaping left out: one row a step. Shapes by the "
+                   "defaults where no --shaping says otherwise");
   command
       .add_option(
           "--every", options->every_min,
@@ -239,10 +286,9 @@ void add_evaluate_command(Commands& commands) {
                      "Face to measure on (default: the take's own where it is found, else builtin)");
   command.add_option("--report", options->report, "Write a self-contained HTML page with plots");
   command
-      .add_flag(
-          "--no-adapt", options->no_adapt,
-          "Do not personalise the live model on a take's full prologue first; with --truth, and of a model "
-          "that learnt from a phone, it never is")
+      .add_flag("--no-adapt", options->no_adapt,
+                "Do not personalise the live model on a take's full prologue first; with --truth, and of a "
+                "model that learnt from a phone, it never is")
       .excludes(command.option("--window"));
   add_json_flag(command, options->json);
 }

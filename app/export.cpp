@@ -6,8 +6,8 @@
 
 #include "app/chosen_face.h"
 #include "app/command.h"
+#include "app/gltf_option.h"
 #include "app/json_output.h"
-#include "app/names_option.h"
 #include "app/performance.h"
 #include "app/write_motion.h"
 #include "mien/core/files.h"
@@ -96,8 +96,7 @@ void add_export_command(Commands& commands) {
   const Command command =
       commands.add("export", "Writes a motion as CSV, glTF or markers, or a model as ONNX",
                    "mien export --motion take.mien --names arkit --out take.glb\n  mien export --model "
-                   "models/live.safetensors --out "
-                   "live.onnx",
+                   "models/live.safetensors --out live.onnx",
                    [options] { return run_export(*options); });
   const Option motion =
       command.add_option("--motion", options->motion, "A Live Link CSV, or a take, whose truth it is");
@@ -105,15 +104,13 @@ void add_export_command(Commands& commands) {
       command.add_option("--model", options->model, "A model file, to write as ONNX (docs/guide/onnx.md)")
           .excludes(motion);
   command
-      .add_option(
-          "--face", options->face,
-          "For glTF and markers: builtin, a folder with generic_neutral_mesh.obj, or a .glb or .vrm; the "
-          "take's own unless told")
+      .add_option("--face", options->face,
+                  "For glTF and markers: builtin, a folder with generic_neutral_mesh.obj, or a .glb or .vrm; "
+                  "the take's own unless told")
       .needs(motion);
   command
       .add_option("--out", options->out,
-                  "The .csv, .glb, .gltf or .vrm to write; .trc for markers; of a model the "
-                  ".onnx")
+                  "The .csv, .glb, .gltf or .vrm to write; .trc for markers; of a model the .onnx")
       .required();
   add_names_option(command, options->names).needs(motion);
   add_textures_option(command, options->textures).needs(motion);

@@ -9,11 +9,8 @@
 
 #include "app/chosen_face.h"
 #include "app/command.h"
-#include "app/face_profiles.h"
+#include "app/gltf_option.h"
 #include "app/json_output.h"
-#include "app/names_option.h"
-#include "app/one_line.h"
-#include "app/textured_face.h"
 #include "mien/core/files.h"
 #include "mien/face/obj.h"
 #include "mien/render/gltf_export.h"

@@ -1,5 +1,3 @@
-#include "app/face_profiles.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/command.h"
 #include "app/json_output.h"
 #include "mien/face/profile_map.h"
 

@@ -1,5 +1,4 @@
 #include "app/command.h"
-#include "app/usage_error.h"
 
 #ifdef __GLIBC__
 #include <malloc.h>

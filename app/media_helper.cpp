@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "app/child_program.h"
-#include "app/private_folder.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
 
@@ -58,18 +56,6 @@ Result<std::string> read_head(Child& child) {
 
 }  // namespace
 
-struct FilmWriter::State {
-  State(Child started, int w, int h) : child(std::move(started)), width(w), height(h) {}
-  std::optional<PrivateFolder> folder;  // Holds the sound; outlives the child.
-  Child child;
-  int width, height;
-};
-
-FilmWriter::FilmWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
-FilmWriter::FilmWriter(FilmWriter&&) noexcept = default;
-FilmWriter& FilmWriter::operator=(FilmWriter&&) noexcept = default;
-FilmWriter::~FilmWriter() = default;
-
 Result<FilmWriter> FilmWriter::start(const fs::path& out, int width, int height, double rate_hz,
                                      const std::optional<Sound>& sound) {
   std::vector<std::string> arguments = {
@@ -83,65 +69,41 @@ Result<FilmWriter> FilmWriter::start(const fs::path& out, int width, int height,
     arguments.insert(arguments.end(), {"--audio", wav.string()});
   }
   MIEN_TRY_ASSIGN(Child child, start_helper(std::move(arguments)));
-  auto state = std::make_unique<State>(std::move(child), width, height);
-  state->folder = std::move(folder);
-  return FilmWriter(std::move(state));
+  return FilmWriter(std::move(child), std::move(folder), width, height);
 }
 
 Result<void> FilmWriter::add_frame(const render::Image& frame) {
-  if (frame.width != state_->width || frame.height != state_->height)
+  if (frame.width != width_ || frame.height != height_)
     return fail(ErrorCode::mismatch, fmt::format("a frame of {} x {}", frame.width, frame.height),
                 "the film");
-  return state_->child.send(frame.rgb) ? Result<void>() : finish_helper(state_->child, true);
+  return child_.send(frame.rgb) ? Result<void>() : finish_helper(child_, true);
 }
 
 Result<void> FilmWriter::finish() {
-  return finish_helper(state_->child);
+  return finish_helper(child_);
 }
-
-struct FilmReader::State {
-  explicit State(Child started) : child(std::move(started)) {}
-  Child child;
-  int width = 0, height = 0;
-  std::size_t about = 0;
-};
-
-FilmReader::FilmReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
-FilmReader::FilmReader(FilmReader&&) noexcept = default;
-FilmReader& FilmReader::operator=(FilmReader&&) noexcept = default;
-FilmReader::~FilmReader() = default;
 
 Result<FilmReader> FilmReader::start(const fs::path& film, int most_width, int most_height) {
   MIEN_TRY_ASSIGN(
       Child child,
       start_helper({"frames", "--most", fmt::format("{}x{}", most_width, most_height), "--", film.string()},
                    Child::Output::read));
-  auto state = std::make_unique<State>(std::move(child));
-  MIEN_TRY_ASSIGN(const std::string head, read_head(state->child));
-  if (std::sscanf(head.c_str(), "grey %5dx%5d %12zu", &state->width, &state->height, &state->about) != 3 ||
-      state->width < 1 || state->height < 1 || state->width > most_width || state->height > most_height) {
-    MIEN_TRY(finish_helper(state->child, true));
+  FilmReader reader(std::move(child));
+  MIEN_TRY_ASSIGN(const std::string head, read_head(reader.child_));
+  if (std::sscanf(head.c_str(), "grey %5dx%5d %12zu", &reader.width_, &reader.height_, &reader.about_) != 3 ||
+      reader.width_ < 1 || reader.height_ < 1 || reader.width_ > most_width || reader.height_ > most_height) {
+    MIEN_TRY(finish_helper(reader.child_, true));
     return fail(ErrorCode::internal, "it tells no size of the film's pictures", kHelper);
   }
-  return FilmReader(std::move(state));
-}
-
-int FilmReader::width() const {
-  return state_->width;
-}
-int FilmReader::height() const {
-  return state_->height;
-}
-std::size_t FilmReader::about() const {
-  return state_->about;
+  return reader;
 }
 
 Result<bool> FilmReader::next(std::span<std::uint8_t> grey) {
-  if (grey.size() != static_cast<std::size_t>(state_->width) * static_cast<std::size_t>(state_->height))
+  if (grey.size() != static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_))
     return fail(ErrorCode::mismatch, fmt::format("a picture of {} pixels", grey.size()), "the film");
-  MIEN_TRY_ASSIGN(const std::size_t got, state_->child.receive(grey));
+  MIEN_TRY_ASSIGN(const std::size_t got, child_.receive(grey));
   if (got == grey.size()) return true;
-  MIEN_TRY(finish_helper(state_->child, got > 0));
+  MIEN_TRY(finish_helper(child_, got > 0));
   return false;
 }
 

@@ -42,8 +42,8 @@ Result<Adapted> adapt(const take::Take& take, model::ModelFile& file) {
     // Who prompted nothing expects nothing.
     if (!prompts.empty())
       out.unlearnt = fmt::format(
-          "{} of its {} prompted expressions come before what is measured, and it takes {}; "
-          "begin a take with a full prologue (mien perform --prologue full), or say --no-adapt",
+          "{} of its {} prompted expressions come before what is measured, and it takes {}; begin a take "
+          "with a full prologue (mien perform --prologue full), or say --no-adapt",
           before, prompts.size(), tracker::kLeastPrompts);
     return out;
   }
@@ -73,11 +73,10 @@ void warn_of_missing_sensors(const take::Take& take, const solve::Solution& solu
       solution.observed > 0
           ? fmt::format("only {:.0f} % of the sensors' readings could be used", 100 * solution.observed)
           : "no sensor could be used, so the answer is a guess";
-  const char* const remedy =
-      solution.uncalibrated
-          ? "a take needs a prologue (a neutral face, and a nod and a shake where the sensors ask for them) "
-            "to be calibrated by"
-          : "mien take info says what each of them sent";
+  const char* const remedy = solution.uncalibrated
+                                 ? "a take needs a prologue (a neutral face, and a nod and a shake where the "
+                                   "sensors ask for them) to be calibrated by"
+                                 : "mien take info says what each of them sent";
   fmt::print(stderr, "mien: {}: {}; {}\n", take.path().string(), few, remedy);
 }
 
@@ -148,19 +147,17 @@ Result<std::vector<solve::Solution>> OpenModel::solve_by_each(const take::Take& 
 }
 
 void ModelOption::add_to(Command command) {
-  command.add_option(
-      "--model", path,
-      "Model file, of any kind (default: the one that a live session of the take's sensors uses, "
-      "which goes frame by frame)");
+  command.add_option("--model", path,
+                     "Model file, of any kind (default: the one that a live session of the take's sensors "
+                     "uses, which goes frame by frame)");
   command
       .add_option("--steps", steps,
                   "Denoising steps a window of a window model; 1000 is the published sampler (default: the "
                   "model's own)")
       .in_range(1, 1000);
-  command.add_flag(
-      "--window", window,
-      "The window model, models/default.safetensors: two seconds at a time, which sees what comes "
-      "later, as no session can");
+  command.add_flag("--window", window,
+                   "The window model, models/default.safetensors: two seconds at a time, which sees what "
+                   "comes later, as no session can");
 }
 
 Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {

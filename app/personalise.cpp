@@ -42,12 +42,12 @@ Result<void> learn_by_phone(const PersonaliseOptions& options, const take::Take&
   }
   const tracker::LearntCorrection& learnt = made->learnt;
   if (!learnt.taken)
-    return fail(
-        ErrorCode::not_found,
-        fmt::format("what was learnt is no better where it was held out (squared error {:.4f}, without it "
-                    "{:.4f}), so nothing was written",
-                    learnt.mse_after, learnt.mse_before),
-        options.take, "record two minutes of speech and expressions; without it use " + options.model);
+    return fail(ErrorCode::not_found,
+                fmt::format("what was learnt is no better where it was held out (squared error {:.4f}, "
+                            "without it {:.4f}), so nothing was written",
+                            learnt.mse_after, learnt.mse_before),
+                options.take,
+                "record two minutes of speech and expressions; without it use " + options.model);
   MIEN_TRY(model::write_model(options.out, file));
   const double seconds = static_cast<double>(learnt.frames) / kFrameRateHz;
   if (options.json)
@@ -68,8 +68,7 @@ Result<void> learn_by_phone(const PersonaliseOptions& options, const take::Take&
     fmt::print(
         "{:.0f} s of truth, {:.1f} ms +- {:.1f} off, agreement {:.2f}\n"
         "{} of {} shapes are corrected; squared error where it was held out {:.4f}, before {:.4f}; of the "
-        "skin {:.2f} "
-        "mm, before {:.2f}\n"
+        "skin {:.2f} mm, before {:.2f}\n"
         "wrote {}; use it with --model\n"
         "{}",
         seconds, 1e3 * made->alignment.offset_s, 1e3 * made->alignment.offset_sigma_s,
@@ -103,12 +102,12 @@ Result<void> run_personalise(PersonaliseOptions options) {
   }
   const tracker::Personalisation& learnt = *made;
   if (!learnt.taken)
-    return fail(
-        ErrorCode::not_found,
-        fmt::format("what was learnt foretells prompts that were held out no better than the standard skin "
-                    "does (surprise {:.3f}, without it {:.3f}), so nothing was written",
-                    learnt.surprise_after, learnt.surprise_before),
-        options.take, "check the sensors and record the prompts again; without it use " + options.model);
+    return fail(ErrorCode::not_found,
+                fmt::format("what was learnt foretells prompts that were held out no better than the "
+                            "standard skin does (surprise {:.3f}, without it {:.3f}), so nothing was written",
+                            learnt.surprise_after, learnt.surprise_before),
+                options.take,
+                "check the sensors and record the prompts again; without it use " + options.model);
   MIEN_TRY(model::write_model(options.out, file));
   if (options.json)
     print_json({{"take", options.take},
@@ -140,8 +139,7 @@ void add_personalise_command(Commands& commands) {
   command.add_option("--out", options->out, "The wearer's own model, .safetensors").required();
   command.add_option("--model", options->model,
                      "The model to begin with (default: models/live.safetensors). Prompts do not build upon "
-                     "a wearer's skin in it; "
-                     "a phone does");
+                     "a wearer's skin in it; a phone does");
   command.add_flag("--force", options->force, "Replace an existing model");
   add_json_flag(command, options->json);
 }

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "app/command.h"
-#include "app/film_option.h"
 #include "mien/core/error.h"
 #include "mien/model/features.h"
 #include "mien/solve/phone_truth.h"
@@ -15,13 +14,28 @@ namespace mien::app {
 /// Whether a take has sensors on the skin, by which a phone's time is found. Errors: unsupported.
 [[nodiscard]] Result<void> check_aligns(const take::Take& take);
 
-/// What a phone told: the CSV `file`, or the take's own truth where that is empty. Where Live Link Face left
-/// a calibrated file beside it ("NAME_cal.csv" beside "NAME.csv"), that is read instead, unless `as_named`.
-/// That, and what was survived in a file, is said on stderr. `features`: what solve::take_features() gave.
-/// Errors: solve::phone_track's.
-[[nodiscard]] Result<solve::PhoneTrack> open_phone_track(const take::Take& take,
-                                                         std::span<const model::FeatureFrame> features,
-                                                         const std::string& file, bool as_named);
+/// How a phone's file is read, and whose sound says about when it was recorded.
+struct PhoneReading {
+  bool raw = false;  ///< The file that is named, even where a calibrated one lies beside it.
+  std::string film;  ///< Empty: what lies beside the file.
+  bool no_sound = false;
+
+  /// --raw, --film and --no-sound.
+  void add_to(const Command& command);
+
+  /// What a phone told: the CSV `file`, or the take's own truth where that is empty. Where Live Link Face
+  /// left a calibrated file beside it ("NAME_cal.csv" beside "NAME.csv"), that is read instead, unless `raw`.
+  /// That, and what was survived in a file, is said on stderr.
+  ///
+  /// The sound of the file's film is compared with the take's, for track.sound. A line on stderr says why
+  /// there is none: no helper, a take without sound, sounds that do not match, and a film beside the file
+  /// that cannot be read. One that was named and cannot be read is an error. `features`: what
+  /// solve::take_features() gave. Errors: solve::phone_track's, bad_usage (a film without a file),
+  /// read_film_sound's.
+  [[nodiscard]] Result<solve::PhoneTrack> open(const take::Take& take,
+                                               std::span<const model::FeatureFrame> features,
+                                               const std::string& file) const;
+};
 
 /// Which phone tells what a face did: --truth, and how its file is read.
 class PhoneOption {
@@ -33,16 +47,16 @@ class PhoneOption {
   /// As it was typed: "phone", or a file's name.
   [[nodiscard]] const std::string& truth() const { return truth_; }
   /// The phone's file; empty: it was recorded in the take.
-  [[nodiscard]] std::string file() const;
-  /// What it told, with a guess of its time by sound where its film can be heard. Errors: open_phone_track's,
-  /// add_sound_guess's.
+  [[nodiscard]] std::string file() const { return truth_ == "phone" ? std::string() : truth_; }
+  /// What it told. Errors: PhoneReading::open's.
   [[nodiscard]] Result<solve::PhoneTrack> open(const take::Take& take,
-                                               std::span<const model::FeatureFrame> features) const;
+                                               std::span<const model::FeatureFrame> features) const {
+    return reading_.open(take, features, file());
+  }
 
  private:
   std::string truth_;
-  FilmOption film_;
-  bool raw_ = false;
+  PhoneReading reading_;
 };
 
 }  // namespace mien::app

@@ -13,7 +13,6 @@
 #include "app/command.h"
 #include "app/film.h"
 #include "app/json_output.h"
-#include "app/one_line.h"
 #include "app/performance.h"
 #include "mien/core/files.h"
 #include "mien/core/nearest_word.h"
@@ -200,10 +199,9 @@ void add_render_command(Commands& commands) {
                      fmt::format("A still's expression: {}, or any of the expressions that performers show",
                                  fmt::join(performer::plain_pose_names(), ", ")));
   command
-      .add_option(
-          "--weights", options->weights,
-          "Shapes of a still, by ICT's names or ARKit's: jawOpen=1,mouthSmileLeft=0.5; without its side a "
-          "name is both; beyond 0 to 1 is drawn too, up to 10; they replace the --pose's")
+      .add_option("--weights", options->weights,
+                  "Shapes of a still, by ICT's names or ARKit's: jawOpen=1,mouthSmileLeft=0.5; without its "
+                  "side a name is both; beyond 0 to 1 is drawn too, up to 10; they replace the --pose's")
       .delimiter(',');
   command
       .add_option("--view", options->view,

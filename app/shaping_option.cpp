@@ -5,11 +5,10 @@
 namespace mien::app {
 
 void ShapingOption::add_to(Command command) {
-  command.add_option(
-      "--shaping", path,
-      "Shape the frames as a session with these settings would: a JSON file, {} for the "
-      "defaults (docs/reference/shaping_settings.md). Without it by the defaults; a window model's "
-      "answer is not shaped");
+  command.add_option("--shaping", path,
+                     "Shape the frames as a session with these settings would: a JSON file, {} for the "
+                     "defaults (docs/reference/shaping_settings.md). Without it by the defaults; a window "
+                     "model's answer is not shaped");
 }
 
 Result<std::optional<shaping::ShaperSettings>> ShapingOption::read() const {

@@ -1,11 +1,10 @@
-#include "app/skin.h"
-
 #include <fmt/format.h>
 
 #include <filesystem>
 #include <memory>
 #include <string>
 
+#include "app/command.h"
 #include "app/seed_option.h"
 #include "mien/sensor/rig.h"
 #include "mien/virtual/imu/skin_motion.h"

@@ -10,7 +10,6 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
-#include "app/one_line.h"
 #include "app/take_sound.h"
 #include "mien/core/files.h"
 #include "mien/core/wav.h"

@@ -1,5 +1,3 @@
-#include "app/usage_error.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -8,7 +6,6 @@
 #include <vector>
 
 #include "app/command.h"
-#include "app/one_line.h"
 #include "mien/core/nearest_word.h"
 
 namespace mien::app {

@@ -1,7 +1,6 @@
 #include "app/write_motion.h"
 
-#include "app/names_option.h"
-#include "app/textured_face.h"
+#include "app/gltf_option.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
 

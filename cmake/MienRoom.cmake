@@ -134,8 +134,8 @@ function(mien_room name)
   set_property(GLOBAL PROPERTY MIEN_FOLDER_OF_${name} "${folder}")
 endfunction()
 
-# Makes a TOML file part of a room, which then reads none at run time: `symbol`, a std::string_view of its text in the room's
-# namespace, in `source` in the build folder. `path`: from the project's root.
+# Makes a text file (TOML, a page's script or style) part of a room, which then reads none at run time: `symbol`, a
+# std::string_view of its text in the room's namespace, in `source` in the build folder. `path`: from the project's root.
 function(mien_embed_toml room path source symbol)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${path}")
   file(READ "${PROJECT_SOURCE_DIR}/${path}" text)

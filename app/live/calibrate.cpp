@@ -19,7 +19,6 @@
 #include "app/live/calibration_text.h"
 #include "app/live/page_token.h"
 #include "app/live/session_client.h"
-#include "app/one_line.h"
 
 namespace mien::app {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/one_line.h"
+#include "app/command.h"
 #include "mien/core/units.h"
 
 namespace mien::app {

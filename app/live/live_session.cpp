@@ -21,6 +21,7 @@
 #include <ranges>
 
 #include "app/command.h"
+#include "app/gltf_option.h"
 #include "app/live/camera_feed.h"
 #include "app/live/page_files.h"
 #include "app/live/pairing_key.h"
@@ -28,7 +29,6 @@
 #include "app/live/phone_teacher.h"
 #include "app/live/prompt_source.h"
 #include "app/live/sound_feed.h"
-#include "app/textured_face.h"
 #include "mien/core/files.h"
 #include "mien/core/hex.h"
 #include "mien/core/host_port.h"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "app/one_line.h"
+#include "app/command.h"
 #include "mien/phone/ifacialmocap_protocol.h"
 #include "mien/phone/live_link_protocol.h"
 

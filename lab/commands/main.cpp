@@ -2,7 +2,6 @@
 #include <string_view>
 
 #include "app/command.h"
-#include "app/usage_error.h"
 #include "lab/bench/benchmarks.h"
 #include "lab/commands/studies.h"
 

@@ -9,7 +9,6 @@
 #include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/seed_option.h"
-#include "app/skin.h"
 #include "lab/commands/output.h"
 #include "lab/imu/sensor_bound.h"
 #include "mien/sensor/rig.h"

@@ -10,7 +10,7 @@
 
 #include "app/chosen_face.h"
 #include "app/json_output.h"
-#include "app/one_line.h"
+#include "app/command.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
 #include "lab/commands/output.h"

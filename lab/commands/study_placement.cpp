@@ -10,7 +10,7 @@
 
 #include "app/chosen_face.h"
 #include "app/json_output.h"
-#include "app/one_line.h"
+#include "app/command.h"
 #include "app/private_folder.h"
 #include "app/seed_option.h"
 #include "lab/columns.h"

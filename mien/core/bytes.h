@@ -23,12 +23,12 @@ class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
-  template <class T>
-  requires std::integral<T> || std::floating_point<T> T little() {
+  template <WireNumber T>
+  T little() {
     return read<T>(std::endian::native != std::endian::little);
   }
-  template <class T>
-  requires std::integral<T> || std::floating_point<T> T big() {
+  template <WireNumber T>
+  T big() {
     return read<T>(std::endian::native != std::endian::big);
   }
   /// The next `count` bytes, or none (and ok() false) when fewer are left.
@@ -62,12 +62,14 @@ class ByteReader {
 /// Appends numbers to a buffer that it owns.
 class ByteWriter {
  public:
-  template <class T>
-  requires std::integral<T> || std::floating_point<T>
-  void little(T value) { put(value, std::endian::native != std::endian::little); }
-  template <class T>
-  requires std::integral<T> || std::floating_point<T>
-  void big(T value) { put(value, std::endian::native != std::endian::big); }
+  template <WireNumber T>
+  void little(T value) {
+    put(value, std::endian::native != std::endian::little);
+  }
+  template <WireNumber T>
+  void big(T value) {
+    put(value, std::endian::native != std::endian::big);
+  }
   void append(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
   void append(std::string_view text) { append(std::as_bytes(std::span(text))); }
   [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }

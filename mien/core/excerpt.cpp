@@ -7,14 +7,11 @@ namespace {
 
 /// `letter`: well-formed UTF-8 of one letter.
 bool is_shown(std::string_view letter) {
-  const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(letter[at]); };
-  if (letter.size() == 1) return byte(0) >= 0x20 && byte(0) != 0x7F;
-  if (letter.size() == 2) return byte(0) != 0xC2 || byte(1) >= 0xA0;  // U+0080 to U+009F are controls.
-  if (letter.size() == 4) return true;
-  const unsigned point = (byte(0) & 0x0FU) << 12U | (byte(1) & 0x3FU) << 6U | (byte(2) & 0x3FU);
+  const char32_t point = code_point(letter);
+  const bool control = point < 0x20 || (point >= 0x7F && point <= 0x9F);
   const bool invisible = (point >= 0x200B && point <= 0x200F) || (point >= 0x2028 && point <= 0x202E) ||
                          (point >= 0x2060 && point <= 0x206F) || point == 0xFEFF;
-  return !invisible;
+  return !control && !invisible;
 }
 
 }  // namespace

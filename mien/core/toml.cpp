@@ -14,12 +14,7 @@ namespace {
 
 /// A letter of UTF-8 beyond ASCII, as a string in double quotes may spell it.
 std::string escaped(std::string_view letter) {
-  const auto byte = [&](std::size_t at) {
-    return static_cast<std::uint32_t>(static_cast<unsigned char>(letter[at]));
-  };
-  // The first byte's own bits are those below its ones and a zero.
-  std::uint32_t point = byte(0) & (0x7FU >> letter.size());
-  for (std::size_t i = 1; i < letter.size(); ++i) point = point << 6U | (byte(i) & 0x3FU);
+  const auto point = static_cast<std::uint32_t>(code_point(letter));
   return point > 0xFFFF ? fmt::format("\\U{:08X}", point) : fmt::format("\\u{:04X}", point);
 }
 

@@ -35,6 +35,18 @@ namespace mien {
   return length;
 }
 
+/// The code point of a letter: of all bytes that utf8_letter() counts.
+[[nodiscard]] constexpr char32_t code_point(std::string_view letter) {
+  const auto byte = [&](std::size_t at) {
+    return static_cast<char32_t>(static_cast<unsigned char>(letter[at]));
+  };
+  if (letter.size() == 1) return byte(0);
+  // The first byte's own bits are those below its ones and a zero.
+  char32_t point = byte(0) & (0x7FU >> letter.size());
+  for (std::size_t i = 1; i < letter.size(); ++i) point = point << 6U | (byte(i) & 0x3FU);
+  return point;
+}
+
 /// Whether text is well-formed UTF-8. Texts of a take are, so that whatever prints them as JSON need not
 /// wonder.
 [[nodiscard]] constexpr bool is_utf8(std::string_view text) {

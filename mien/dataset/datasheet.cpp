@@ -31,7 +31,8 @@ double minutes(double seconds) {
 
 class Datasheet {
  public:
-  Datasheet(const ExportRequest& request, const Export& exported) : request_(request), exported_(exported) {}
+  Datasheet(const ExportRequest& request, const Export& exported)
+      : request_(request), exported_(exported), totals_(exported.dataset.totals()) {}
 
   std::string text() {
     what_it_is();
@@ -68,13 +69,12 @@ class Datasheet {
 
   const ExportRequest& request_;
   const Export& exported_;
+  const TakeTotals totals_;
   std::string out_;
 };
 
 void Datasheet::what_it_is() {
   const RecordedDataset& dataset = exported_.dataset;
-  TakeSeconds seconds;
-  for (const TakeOverview& take : dataset.takes) seconds += take.seconds;
   std::filesystem::path folder = dataset.folder.lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
   add("# Datasheet: {}\n\n", markdown_text(folder.filename().string(), 100));
@@ -83,7 +83,7 @@ void Datasheet::what_it_is() {
       dataset.sensors.size());
   add("{} people, {} takes, {:.1f} minutes that count. Windows of {} frames at 60 Hz, one every {} "
       "frames.\n\n",
-      dataset.people.size(), dataset.takes.size(), minutes(seconds.counted), request_.window,
+      dataset.people.size(), dataset.takes.size(), minutes(totals_.seconds.counted), request_.window,
       request_.stride);
   add("Written by {}:\n\n    {}\n\n", markdown_text(request_.software, 100), excerpt(request_.command, 1000));
   add("The same takes, splits and command give the same bytes.\n\n");
@@ -103,10 +103,8 @@ void Datasheet::what_it_is() {
 void Datasheet::who() {
   add("## Who, and what they agreed to\n\n");
   add("Names are as people gave them with their consent: names or codes. Numbers of a face's motion are "
-      "personal "
-      "data; what they may be used for is what their owner agreed to.\n\n");
-  add("| person | set | takes | minutes | recorded and kept by | for | sound recorded | video "
-      "recorded |\n"
+      "personal data; what they may be used for is what their owner agreed to.\n\n");
+  add("| person | set | takes | minutes | recorded and kept by | for | sound recorded | video recorded |\n"
       "|---|---|---|---|---|---|---|---|\n");
   struct Amount {
     std::size_t takes = 0;
@@ -137,13 +135,10 @@ void Datasheet::who() {
 void Datasheet::how_recorded() {
   add("## How it was recorded\n\n");
   add("Sensors on the skin and one behind the ear, each with gyroscope and accelerometer, were calibrated on "
-      "a "
-      "face at rest and a nodding head. Where a phone was the truth, it filmed the face meanwhile and told "
-      "its "
-      "weights; its time on the sensors' was found by how the face moves (offset in the take's middle and "
-      "its "
-      "standard deviation, drift; agreement is the share of the variance of jaw and smile that the skin "
-      "foretells). What it told of the face at rest is taken off.\n\n");
+      "a face at rest and a nodding head. Where a phone was the truth, it filmed the face meanwhile and told "
+      "its weights; its time on the sensors' was found by how the face moves (offset in the take's middle "
+      "and its standard deviation, drift; agreement is the share of the variance of jaw and smile that the "
+      "skin foretells). What it told of the face at rest is taken off.\n\n");
   add("| take | person | recorded | rig | truth | minutes | of | offset ms | +- | drift ppm | agreement |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const TakeOverview& take : exported_.dataset.takes) {
@@ -181,10 +176,8 @@ void Datasheet::videos() {
     return;
   }
   add("Beside {} of the takes lies video of the performer's face, in {} files of {:.1f} MB together. None of "
-      "it "
-      "is in this export: a face on video tells who somebody is. Whoever may have it gets it from who keeps "
-      "the "
-      "takes.\n\n",
+      "it is in this export: a face on video tells who somebody is. Whoever may have it gets it from who "
+      "keeps the takes.\n\n",
       takes, files, megabytes);
 }
 
@@ -203,11 +196,9 @@ void Datasheet::files() {
   add("| `begin_s` | windows | the window's first frame, s from the take's |\n\n");
   add("Features, for each sensor in turn: linear acceleration against the head x y z, m/s^2, then the skin's "
       "rotation from the neutral face, a unit quaternion w x y z with w >= 0. Both are in the head's frame: "
-      "+X to "
-      "the performer's left, +Y up, +Z out of the face. They are not normalised. Flags, 0 or 1: whether the "
-      "rotation is there, a sensor each, then whether the acceleration is. What is not there is 0, a "
-      "rotation "
-      "1 0 0 0. Left and right are the performer's own.\n\n");
+      "+X to the performer's left, +Y up, +Z out of the face. They are not normalised. Flags, 0 or 1: "
+      "whether the rotation is there, a sensor each, then whether the acceleration is. What is not there is "
+      "0, a rotation 1 0 0 0. Left and right are the performer's own.\n\n");
   std::vector<std::string> names;
   for (const std::string& sensor : exported_.dataset.sensors) names.push_back(markdown_text(sensor, 100));
   add("Sensors, in order: {}.\n\n", fmt::join(names, ", "));
@@ -215,34 +206,24 @@ void Datasheet::files() {
 
 void Datasheet::labels() {
   add("## Labels\n\n");
-  LabelAmounts blocks, emotions, languages;
-  std::size_t good = 0, poor = 0;
-  for (const TakeOverview& take : exported_.dataset.takes) {
-    add_labels(take.blocks, blocks);
-    add_labels(take.emotions, emotions);
-    add_labels(take.languages, languages);
-    good += take.good_lines;
-    poor += take.poor_lines;
-  }
   add("{} lines are good, {} are poor and left out. Between lines the performer moved as they liked.\n\n",
-      good, poor);
-  if (blocks.empty() && emotions.empty() && languages.empty()) return;
+      totals_.good_lines, totals_.poor_lines);
+  if (totals_.blocks.empty() && totals_.emotions.empty() && totals_.languages.empty()) return;
   add("| label | | lines | minutes |\n|---|---|---|---|\n");
   const auto add_rows = [this](std::string_view kind, const LabelAmounts& amounts) {
     for (const auto& [label, amount] : amounts)
       add("| {} | {} | {} | {:.1f} |\n", kind, markdown_text(label, 60), amount.lines,
           minutes(amount.seconds));
   };
-  add_rows("block", blocks);
-  add_rows("emotion", emotions);
-  add_rows("language", languages);
+  add_rows("block", totals_.blocks);
+  add_rows("emotion", totals_.emotions);
+  add_rows("language", totals_.languages);
   add("\n");
 }
 
 void Datasheet::shapes() {
   add("## Shapes\n\nIn the order of `weights`, ICT-FaceKit's names; between which weights all but the "
-      "extreme "
-      "hundredths of the frames are.\n\n");
+      "extreme hundredths of the frames are.\n\n");
   add("| | shape | 1 % | 99 % |\n|---|---|---|---|\n");
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
     add("| {} | {} | {:.2f} | {:.2f} |\n", k, markdown_text(face::kShapeNames[k], 60),
@@ -251,8 +232,7 @@ void Datasheet::shapes() {
 }
 
 void Datasheet::left_out() {
-  TakeSeconds seconds;
-  for (const TakeOverview& take : exported_.dataset.takes) seconds += take.seconds;
+  const TakeSeconds& seconds = totals_.seconds;
   add("## What was left out, and why\n\n");
   add("| of the takes that count | minutes |\n|---|---|\n");
   add("| no face was told | {:.1f} |\n", minutes(seconds.without_face));
@@ -282,8 +262,7 @@ void Datasheet::limits() {
   add("- Sound is in the takes, and video beside them, not here; so are texts that were read, packets and "
       "samples.\n"
       "- Lines that were poor may be missing for a reason that has to do with the face: sensors come off, "
-      "and "
-      "faces are lost, where they move most.\n"
+      "and faces are lost, where they move most.\n"
       "- Where each wearer's sensors sat differs from one take to the next, and is not known.\n"
       "- A label is what was asked for, not what was felt.\n");
 }

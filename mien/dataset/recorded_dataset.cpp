@@ -76,6 +76,12 @@ std::vector<std::string> FoundTakes::people() const {
   return names;
 }
 
+TakeTotals RecordedDataset::totals() const {
+  TakeTotals totals;
+  for (const TakeOverview& take : takes) totals.add(take);
+  return totals;
+}
+
 Result<FoundTakes> find_takes(const fs::path& folder, std::vector<std::string> sensors,
                               const Progress& progress) {
   MIEN_TRY_ASSIGN(const std::vector<fs::path> files, take_files(folder));

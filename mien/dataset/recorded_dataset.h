@@ -63,6 +63,8 @@ struct RecordedDataset {
   std::vector<LeftOutTake> left_out;                   ///< Likewise.
   std::vector<RecordedPerson> people;                  ///< Of the takes that count, by name.
   std::array<ShapeRange, face::kShapeCount> ranges{};  ///< Over all frames that count.
+
+  [[nodiscard]] TakeTotals totals() const;  ///< Of the takes that count.
 };
 
 /// What is done with a take that counts, while it is in memory: its stretches and lines may be moved away.

@@ -215,13 +215,6 @@ void gather_stretches(std::span<const model::FeatureFrame> features, std::span<c
 
 }  // namespace
 
-void add_labels(const LabelAmounts& amounts, LabelAmounts& to) {
-  for (const auto& [label, amount] : amounts) {
-    to[label].lines += amount.lines;
-    to[label].seconds += amount.seconds;
-  }
-}
-
 TakeSeconds& TakeSeconds::operator+=(const TakeSeconds& other) {
   without_face += other.without_face;
   before_calibration += other.before_calibration;
@@ -230,6 +223,22 @@ TakeSeconds& TakeSeconds::operator+=(const TakeSeconds& other) {
   brief += other.brief;
   counted += other.counted;
   return *this;
+}
+
+void TakeTotals::add(const TakeOverview& take) {
+  seconds += take.seconds;
+  sound_s += take.sound_s;
+  good_lines += take.good_lines;
+  poor_lines += take.poor_lines;
+  const auto add_labels = [](const LabelAmounts& amounts, LabelAmounts& to) {
+    for (const auto& [label, amount] : amounts) {
+      to[label].lines += amount.lines;
+      to[label].seconds += amount.seconds;
+    }
+  };
+  add_labels(take.blocks, blocks);
+  add_labels(take.emotions, emotions);
+  add_labels(take.languages, languages);
 }
 
 Result<TakeIdentity> identify_take(const take::Take& take) {
@@ -265,11 +274,10 @@ Result<RecordedTake> read_recorded_take(const take::Take& take) {
                     sound_from(take, samples, identity.part ? identity.part->begin : features.front().time));
   }
   if (out.stretches.empty())
-    return fail(
-        ErrorCode::not_found,
-        "nothing in it counts: no two seconds with a face and a sensor, after the calibration and outside "
-        "of poor lines",
-        take.path().string(), "record it again");
+    return fail(ErrorCode::not_found,
+                "nothing in it counts: no two seconds with a face and a sensor, after the calibration and "
+                "outside of poor lines",
+                take.path().string(), "record it again");
   const take::Header& header = take.header();
   out.overview.path = take.path();
   out.overview.videos = videos_beside(take.path());

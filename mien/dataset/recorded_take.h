@@ -45,8 +45,6 @@ struct LabelAmount {
 };
 /// By the label.
 using LabelAmounts = std::map<std::string, LabelAmount>;
-/// Adds what there is of one take's labels to a whole dataset's.
-void add_labels(const LabelAmounts& amounts, LabelAmounts& to);
 
 /// How the time of the part of a take that is the dataset's is spent, s. A frame is in one of them only, the
 /// first that it fits.
@@ -80,6 +78,16 @@ struct TakeOverview {
   std::size_t good_lines = 0, poor_lines = 0;
   LabelAmounts blocks, emotions, languages;            ///< Of the good lines.
   std::array<ShapeRange, face::kShapeCount> ranges{};  ///< Of the truth, over the frames that count.
+};
+
+/// What there is of takes together.
+struct TakeTotals {
+  TakeSeconds seconds;
+  double sound_s = 0;
+  std::size_t good_lines = 0, poor_lines = 0;
+  LabelAmounts blocks, emotions, languages;
+
+  void add(const TakeOverview& take);
 };
 
 /// Frames that count, without a gap between them.

@@ -23,17 +23,6 @@ std::size_t people_of_share(double share, std::size_t all) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(share * static_cast<double>(all))));
 }
 
-/// The code point that begins with the first byte of well-formed UTF-8.
-char32_t code_point(std::string_view letter) {
-  const auto byte = [&](std::size_t i) {
-    return static_cast<char32_t>(static_cast<unsigned char>(letter[i]));
-  };
-  constexpr std::array<char32_t, 5> kLeading = {0, 0x7F, 0x1F, 0x0F, 0x07};
-  char32_t point = byte(0) & kLeading[letter.size()];
-  for (std::size_t i = 1; i < letter.size(); ++i) point = (point << 6U) | (byte(i) & 0x3F);
-  return point;
-}
-
 /// As TOML's basic strings have it, in ASCII. What is no UTF-8 becomes "?".
 std::string toml_text(std::string_view text) {
   std::string out = "\"";

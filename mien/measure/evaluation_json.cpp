@@ -72,16 +72,15 @@ std::vector<std::string> truth_told(const EvaluationContext& context) {
   std::vector<std::string> sentences;
   for (const ToldTruth& told : context.told)
     sentences.push_back(fmt::format(
-        "The truth of {} was told by {}, {:.1f} s of it; its time is known to {:.1f} ms (agreement "
-        "{:.2f}), and {}.",
+        "The truth of {} was told by {}, {:.1f} s of it; its time is known to {:.1f} ms (agreement {:.2f}), "
+        "and {}.",
         told.take, told.by, told.known_s, told.offset_sigma_ms, told.agreement,
         told.rest_known ? "what it told of the neutral face is taken off"
                         : "it did not see the neutral face, so that its resting offset is in it"));
   if (!sentences.empty())
     sentences.emplace_back(
         "A phone errs, too: its own errors count as the model's here, and its delay as nobody's; it smooths, "
-        "so "
-        "that jitter looks larger.");
+        "so that jitter looks larger.");
   return sentences;
 }
 

@@ -98,8 +98,7 @@ Table beside_baselines(const Evaluation& evaluation) {
 std::string baselines_explained(const Table& table, bool ridge) {
   const auto has = [&](const char* column) { return std::ranges::count(table.columns, column) > 0; };
   std::string text =
-      "PVE is the mean distance of all vertices between the captured face and the true one, in "
-      "millimetres";
+      "PVE is the mean distance of all vertices between the captured face and the true one, in millimetres";
   if (has("landmarks, mm")) text += "; landmarks are the 68 of Multi-PIE";
   text +=
       ". MSE is the weights' squared error, MSE of 42 that of a fixed list of shapes, whatever the sensors: "
@@ -199,8 +198,7 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
     report.table(without_steps(evaluation));
     report.text(
         "Each row leaves one step of shaping out and keeps the others: what is worse without it is what it "
-        "is "
-        "worth on these takes. What each does: docs/method/shaping.md.");
+        "is worth on these takes. What each does: docs/method/shaping.md.");
   }
 
   LinePlot vertices;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kWidth = 760, kLeft = 66, kRight = 14, kTop = 10, kBottom = 42;
 
-/// Steps of the numbers that a drawing carries for zoom_script.h, over the whole of each axis.
+/// Steps of the numbers that a drawing carries for zoom.js, over the whole of each axis.
 constexpr double kStepsOfX = 1e6, kStepsOfY = 5e4;
 /// Points that it carries: of one line, and of all lines together.
 constexpr std::size_t kPointsOfLine = 6000, kPointsOfPlot = 24'000;
@@ -119,7 +119,7 @@ std::string path_of(const Line& line, const Scale& x, const Scale& y) {
   return d;
 }
 
-/// The line for zoom_script.h: "x y x y ...;x y ...", a run after the other. Of each run the first point
+/// The line for zoom.js: "x y x y ...;x y ...", a run after the other. Of each run the first point
 /// counts steps from the axes' lower ends, the others steps from the point before them.
 std::string numbers_of(const Line& line, Scale x, Scale y, std::size_t points) {
   x.from = y.from = 0;
@@ -216,12 +216,11 @@ std::string svg(const LinePlot& plot) {
 
   const Scale x{x_low, x_high, kLeft, kWidth - kRight}, y{y_low, y_high, height - kBottom, kTop};
   std::string out;
-  open_svg(
-      out, height, plot.title,
-      fmt::format(" data-x=\"{} {}\" data-y=\"{} {}\" data-told=\"{:d} {:d}\" data-frame=\"{} {} {} {}\" "
-                  "data-steps=\"{} {}\"",
-                  x_low, x_high, y_low, y_high, plot.y_low.has_value(), plot.y_high.has_value(), x.from, x.to,
-                  y.from, y.to, kStepsOfX, kStepsOfY));
+  open_svg(out, height, plot.title,
+           fmt::format(" data-x=\"{} {}\" data-y=\"{} {}\" data-told=\"{:d} {:d}\" data-frame=\"{} {} {} "
+                       "{}\" data-steps=\"{} {}\"",
+                       x_low, x_high, y_low, y_high, plot.y_low.has_value(), plot.y_high.has_value(), x.from,
+                       x.to, y.from, y.to, kStepsOfX, kStepsOfY));
   value_label(out, y, plot.y_label);
   text_at(out, 0.5 * (kLeft + kWidth - kRight), height - 6, "middle", plot.x_label, " class=\"along\"");
   out += "<g class=\"whole\">\n";

@@ -47,7 +47,7 @@ struct BarPlot {
 
 /// The drawing as inline SVG. Colours are the page's CSS variables --ink, --soft, --grid and --series-1 to
 /// --series-9, so that one drawing suits light and dark. The same plot gives the same text. Line plots carry
-/// their numbers too, finer than they are drawn, for the script that zooms them (zoom_script.h).
+/// their numbers too, finer than they are drawn, for the script that zooms them (zoom.js).
 [[nodiscard]] std::string svg(const LinePlot& plot);
 [[nodiscard]] std::string svg(const BarPlot& plot);
 

@@ -6,68 +6,13 @@
 
 #include "mien/core/base64.h"
 #include "mien/core/files.h"
-#include "mien/measure/zoom_script.h"
 
 namespace mien::measure {
-namespace {
 
-// Series colours keep their hue in both modes and differ in lightness too, for the colour-blind.
-constexpr const char* kStyle = R"(
-:root { color-scheme: light dark; --page: #fbfbfa; --card: #ffffff; --ink: #1d2127; --soft: #626b78; --grid: #e4e6ea;
-  --line: #dcdfe4; --accent: #2467c4; --series-1: #2467c4; --series-2: #d9622b; --series-3: #1c9467; --series-4: #8a4fbf;
-  --series-5: #b98900; --series-6: #6b7684; --series-7: #c23f7d; --series-8: #2f93a8; --series-9: #8a6a48; }
-@media (prefers-color-scheme: dark) { :root { --page: #14161a; --card: #1b1e24; --ink: #e7e9ed; --soft: #9aa3b0;
-  --grid: #2d323b; --line: #2d323b; --accent: #6ea8ff; --series-1: #6ea8ff; --series-2: #f0925f; --series-3: #4fc795;
-  --series-4: #bd93ec; --series-5: #e3bc4c; --series-6: #9aa5b4; --series-7: #f083b4; --series-8: #79cfe0;
-  --series-9: #c9a684; } }
-* { box-sizing: border-box; }
-body { margin: 0; background: var(--page); color: var(--ink); font: 16px/1.55 system-ui, "Segoe UI", Roboto, "DejaVu Sans",
-  sans-serif; }
-main { max-width: 980px; margin: 0 auto; padding: 48px 24px 80px; }
-h1 { font-size: 30px; line-height: 1.2; margin: 0; letter-spacing: -0.01em; }
-.subtitle { color: var(--soft); margin: 8px 0 0; }
-h2 { font-size: 20px; margin: 44px 0 4px; padding-top: 18px; border-top: 1px solid var(--line); }
-p { margin: 12px 0; max-width: 70ch; }
-figure { position: relative; margin: 20px 0; padding: 16px 18px 12px; background: var(--card);
-  border: 1px solid var(--line); border-radius: 10px; }
-figcaption { font-weight: 600; margin-bottom: 6px; }
-figure.picture figcaption { font-weight: 400; color: var(--soft); margin: 8px 0 0; font-size: 14px; }
-figure img, figure video { display: block; width: 100%; height: auto; border-radius: 6px; }
-svg { display: block; width: 100%; height: auto; font-size: 12px; fill: var(--soft); }
-svg .grid { stroke: var(--grid); stroke-width: 1; }
-svg .line { fill: none; stroke-width: 1.8; stroke-linejoin: round; stroke-linecap: round; }
-svg .band { fill: var(--accent); opacity: 0.16; }
-svg .cursor { stroke: var(--soft); stroke-dasharray: 2 3; }
-svg:focus { outline: none; }
-svg:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; border-radius: 4px; }
-.hint { display: flex; justify-content: space-between; align-items: center; min-height: 24px; max-width: none;
-  margin: 6px 0 0; font-size: 12px; color: var(--soft); }
-.hint button { font: inherit; padding: 1px 10px; color: var(--accent); background: none; border: 1px solid var(--line);
-  border-radius: 6px; cursor: pointer; }
-.readout { position: absolute; z-index: 1; pointer-events: none; width: max-content; max-width: 46%; padding: 6px 10px;
-  transform: translateX(14px); font-size: 12px; font-variant-numeric: tabular-nums; white-space: pre-wrap;
-  background: var(--card); border: 1px solid var(--line); border-radius: 6px; }
-.readout.before { transform: translateX(calc(-100% - 14px)); }
-.readout span { display: block; }
-.readout i { display: inline-block; width: 9px; height: 9px; border-radius: 2px; margin-right: 6px; }
-svg .spread { fill: none; stroke: var(--ink); stroke-width: 1.4; stroke-linecap: round; }
-.legend { display: flex; flex-wrap: wrap; gap: 4px 18px; font-size: 13px; color: var(--soft); margin: 0 0 8px; }
-.legend i { display: inline-block; width: 11px; height: 11px; border-radius: 3px; margin-right: 7px; }
-.keys { display: grid; grid-template-columns: repeat(auto-fit, minmax(170px, 1fr)); gap: 12px; margin: 22px 0; }
-.key { background: var(--card); border: 1px solid var(--line); border-radius: 10px; padding: 14px 16px; }
-.key span { display: block; color: var(--soft); font-size: 13px; }
-.key b { display: block; font-size: 25px; font-weight: 600; line-height: 1.35; font-variant-numeric: tabular-nums; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; width: 100%; font-size: 14px; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; padding: 6px 14px 6px 0; border-bottom: 1px solid var(--grid); vertical-align: top; }
-th { color: var(--soft); font-weight: 500; }
-tr:last-child td { border-bottom: 0; }
-.number { text-align: right; }
-td.number { white-space: nowrap; }
-.words { min-width: 26ch; }
-tr.strong td { font-weight: 650; }
-@media print { figure, .key { break-inside: avoid; } .hint, .readout, svg .cursor { display: none !important; } }
-)";
+/// report.css. Series colours keep their hue in both modes and differ in lightness too, for the colour-blind.
+extern const std::string_view kReportStyle;
+
+namespace {
 
 /// How many characters, not bytes, of UTF-8.
 std::size_t width_of(const std::string& words) {
@@ -239,11 +184,11 @@ std::string Report::html() const {
   std::string page =
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>";
-  page += escaped(title_) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n<main>\n<h1>" +
-          escaped(title_) + "</h1>\n";
+  page += escaped(title_) + "</title>\n<style>\n" + std::string(kReportStyle) +
+          "</style>\n</head>\n<body>\n<main>\n<h1>" + escaped(title_) + "</h1>\n";
   if (!subtitle_.empty()) page += "<p class=\"subtitle\">" + escaped(subtitle_) + "</p>\n";
   page += body_ + "</main>\n";
-  if (has_line_plot_) page += "<script>" + std::string(kZoomScript) + "</script>\n";
+  if (has_line_plot_) page += "<script>\n" + std::string(kZoomScript) + "</script>\n";
   return page + "</body>\n</html>\n";
 }
 

@@ -4,12 +4,19 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mien/core/error.h"
 #include "mien/measure/plot.h"
 
 namespace mien::measure {
+
+/// Makes a page's line plots zoomable where scripts run (zoom.js): draws a stretch anew from the numbers that
+/// svg(LinePlot) puts into a drawing's attributes, by the rules by which that draws the whole, which it
+/// leaves alone. It fetches and stores nothing; what it shows of names is text, never markup. Plain
+/// JavaScript of 2022.
+extern const std::string_view kZoomScript;
 
 /// Rows under column heads. Cells are plain text; columns whose cells are all numbers stand to the right. A
 /// row of one cell is a head of its own, across all columns.
@@ -33,7 +40,7 @@ struct KeyFigure {
 };
 
 /// A report that is one HTML file: styles, drawings, pictures and films are inside, nothing is fetched. A
-/// page with line plots has the one script that zooms them (zoom_script.h), without which it is as complete.
+/// page with line plots has the one script that zooms them (kZoomScript), without which it is as complete.
 /// Light or dark as the reader's system is. Parts appear in the order in which they are added. All text is
 /// plain UTF-8.
 class Report {

@@ -76,33 +76,11 @@ std::uint32_t part_of(const Sample& sample) {
 }  // namespace
 
 std::string_view link_state_name(LinkState state) {
-  switch (state) {
-    case LinkState::unbound:
-      return "unbound";
-    case LinkState::silent:
-      return "silent";
-    case LinkState::good:
-      return "good";
-    case LinkState::lossy:
-      return "lossy";
-    case LinkState::late:
-      return "late";
-    case LinkState::lost:
-      return "lost";
-    case LinkState::frozen:
-      return "frozen";
-    case LinkState::saturated:
-      return "saturated";
-    case LinkState::unchanged:
-      return "unchanged";
-    case LinkState::restarted:
-      return "restarted";
-    case LinkState::duplicate:
-      return "duplicate";
-    case LinkState::no_face:
-      return "no_face";
-  }
-  return "";
+  static constexpr std::array<std::string_view, 12> kNames = {
+      "unbound", "silent",    "good",      "lossy",     "late",      "lost",
+      "frozen",  "saturated", "unchanged", "restarted", "duplicate", "no_face"};
+  static_assert(kNames.size() == static_cast<std::size_t>(LinkState::no_face) + 1);
+  return kNames[static_cast<std::size_t>(state)];
 }
 
 void LinkHealth::Stillness::add(std::span<const float> now, DeviceTime time) {

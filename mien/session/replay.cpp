@@ -5,7 +5,6 @@
 #include "mien/core/bytes.h"
 #include "mien/session/command.h"
 #include "mien/session/performed_prologue.h"
-#include "mien/take/session_log.h"
 
 namespace mien::session {
 namespace {
@@ -53,11 +52,13 @@ bool replay(std::span<const take::Event> events, std::span<const take::LogEntry>
             std::span<const take::Tick> ticks, Session& session, const Seen& seen) {
   Peers peers;
   calibrate_by(events, session);
-  for (const auto& step : take::replay_order(entries, ticks)) {
-    if (step.item != nullptr) receive(*step.item, {}, peers, session);
-    if (step.tick != nullptr && !seen(*step.tick, session.tick(step.tick->frame, step.tick->fired)))
-      return false;
+  auto entry = entries.begin();
+  for (const take::Tick& tick : ticks) {
+    for (; entry != entries.end() && entry->id <= tick.after_entry; ++entry)
+      receive(*entry, {}, peers, session);
+    if (!seen(tick, session.tick(tick.frame, tick.fired))) return false;
   }
+  for (; entry != entries.end(); ++entry) receive(*entry, {}, peers, session);
   return true;
 }
 

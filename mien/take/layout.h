@@ -77,6 +77,10 @@ enum class TableId : std::uint8_t {
   payload
 };
 
+[[nodiscard]] constexpr const Table& table_of(TableId id) {
+  return kTables[static_cast<std::size_t>(id)];
+}
+
 /// Times lie within nine years of zero, so that the difference of any two fits and frame_offset() cannot
 /// overflow.
 inline constexpr std::int64_t kMaxTimeNs = std::int64_t{1} << 58U;

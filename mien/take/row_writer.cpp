@@ -70,7 +70,7 @@ Result<void> RowWriter::prepare() {
 }
 
 Result<void> RowWriter::begin_payloads() {
-  MIEN_TRY(database_.run(kTables[static_cast<std::size_t>(TableId::payload)].sql));
+  MIEN_TRY(database_.run(table_of(TableId::payload).sql));
   MIEN_TRY(database_.run(fmt::format("PRAGMA user_version={}", kPayloadVersion).c_str()));
   MIEN_TRY_ASSIGN(insert(TableId::payload), database_.prepare("INSERT INTO payload VALUES(?1,?2,?3)"));
   version_ = kPayloadVersion;

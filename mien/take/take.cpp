@@ -43,15 +43,16 @@ struct Take::State {
   std::vector<std::string> sources;  // By id - 1.
 
   [[nodiscard]] const std::string& where() const { return open.database.where(); }
-  [[nodiscard]] std::int64_t entry_count() const {
-    return last_row[static_cast<std::size_t>(TableId::log)].value_or(0);
+  [[nodiscard]] std::optional<std::int64_t> last_row_of(TableId id) const {
+    return last_row[static_cast<std::size_t>(id)];
   }
+  [[nodiscard]] std::int64_t entry_count() const { return last_row_of(TableId::log).value_or(0); }
 
   /// A table in the order of its key, up to what was there when the take was opened. `columns`: those after
   /// the key. None when the table is empty.
   [[nodiscard]] Result<std::optional<Statement>> open_rows(TableId id, std::string_view columns) const {
-    const Table& table = kTables[static_cast<std::size_t>(id)];
-    const auto last = last_row[static_cast<std::size_t>(id)];
+    const Table& table = table_of(id);
+    const auto last = last_row_of(id);
     if (!last) return std::nullopt;
     const std::string sql =
         fmt::format("SELECT {0},{1} FROM {2} WHERE {0}<=?1 ORDER BY {0}", table.key, columns, table.name);
@@ -60,17 +61,24 @@ struct Take::State {
     return statement;
   }
 
+  /// On to the next of such rows. False at their end, where there are none any more.
+  [[nodiscard]] Result<bool> step(std::optional<Statement>& rows) const {
+    const int rc = rows ? rows->step() : SQLITE_DONE;
+    if (rc == SQLITE_ROW) return true;
+    if (rc != SQLITE_DONE) return std::unexpected(open.database.error(rc));
+    rows.reset();
+    return false;
+  }
+
   /// Goes through such a table: `read(row, key)` of each row, which it may reject.
   template <class Read>
   [[nodiscard]] Result<void> visit(TableId id, std::string_view columns, const Read& read) const {
     MIEN_TRY_ASSIGN(std::optional<Statement> rows, open_rows(id, columns));
-    if (!rows) return {};
     std::optional<std::int64_t> previous;
     for (;;) {
-      const int rc = rows->step();
-      if (rc == SQLITE_DONE) return {};
-      if (rc != SQLITE_ROW) return std::unexpected(open.database.error(rc));
-      Row row(*rows, kTables[static_cast<std::size_t>(id)].name);
+      MIEN_TRY_ASSIGN(const bool more, step(rows));
+      if (!more) return {};
+      Row row(*rows, table_of(id).name);
       // Also what ends the reading of a file whose pages go round in a circle.
       const std::int64_t key = sqlite3_column_int64(rows->get(), 0);
       if (previous && key <= *previous) row.reject(fmt::format("it comes after {}", *previous));
@@ -131,13 +139,10 @@ Result<void> Take::State::read_header() {
                 kDamagedFix);
   header = std::move(headers.front());
   MIEN_TRY_ASSIGN(rig, sensor::parse_rig(header.rig_toml, where() + ": rig"));
-  MIEN_TRY_ASSIGN(sources, read_all<std::string>(TableId::source, "name", [](Row& row, std::int64_t id) {
-                    std::string name = row.text(1, kMaxNameBytes);
-                    static_cast<void>(id);
-                    return name;
+  MIEN_TRY_ASSIGN(sources, read_all<std::string>(TableId::source, "name", [](Row& row, std::int64_t) {
+                    return row.text(1, kMaxNameBytes);
                   }));
-  if (last_row[static_cast<std::size_t>(TableId::source)].value_or(0) !=
-      static_cast<std::int64_t>(sources.size()))
+  if (last_row_of(TableId::source).value_or(0) != std::ssize(sources))
     return fail(ErrorCode::malformed, "the sources are not numbered from 1", where(), kDamagedFix);
   return {};
 }
@@ -195,13 +200,9 @@ struct EntryReader::State {
 
   /// On to the next entry, or to the end.
   [[nodiscard]] Result<void> advance() {
-    const int rc = rows->step();
-    if (rc == SQLITE_DONE) {
-      rows.reset();
-      return {};
-    }
-    if (rc != SQLITE_ROW) return std::unexpected(take->open.database.error(rc));
-    Row row(*rows, kTables[static_cast<std::size_t>(TableId::log)].name);
+    MIEN_TRY_ASSIGN(const bool more, take->step(rows));
+    if (!more) return {};
+    Row row(*rows, table_of(TableId::log).name);
     // Also what ends the reading of a file whose pages go round in a circle.
     if (sqlite3_column_int64(rows->get(), 0) != ++entry.id)
       row.reject(fmt::format("entry {} is missing", entry.id));
@@ -221,7 +222,7 @@ EntryReader& EntryReader::operator=(EntryReader&&) noexcept = default;
 EntryReader::~EntryReader() = default;
 
 Result<const LogEntry*> EntryReader::next() {
-  if (state_->rows) MIEN_TRY(state_->advance());
+  MIEN_TRY(state_->advance());
   return state_->rows ? &state_->entry : nullptr;
 }
 
@@ -245,19 +246,16 @@ Result<std::vector<LogEntry>> Take::entries() const {
 
 struct PayloadReader::State {
   const Take::State* take = nullptr;
-  Statement statement;
-  bool over = false;
-  std::int64_t entry = 0;  // Of the row that stands; 0 before the first.
+  std::optional<Statement> rows;  // None: the end.
+  std::int64_t entry = 0;         // Of the row that stands; 0 before the first.
   std::string reducer;
   std::span<const std::byte> bytes;
 
   /// On to the next row, or to the end.
   [[nodiscard]] Result<void> advance() {
-    const int rc = statement.step();
-    over = rc == SQLITE_DONE;
-    if (over) return {};
-    if (rc != SQLITE_ROW) return std::unexpected(take->open.database.error(rc));
-    Row row(statement, kTables[static_cast<std::size_t>(TableId::payload)].name);
+    MIEN_TRY_ASSIGN(const bool more, take->step(rows));
+    if (!more) return {};
+    Row row(*rows, table_of(TableId::payload).name);
     entry = row.integer(0, entry + 1, take->entry_count());
     reducer = row.text(1, sensor::kReducerHashDigits);
     if (!reducer.empty() && !sensor::is_reducer_hash(reducer)) row.reject("its reducer is no SHA-256");
@@ -275,22 +273,15 @@ PayloadReader::~PayloadReader() = default;
 
 Result<sensor::Payload> PayloadReader::of(std::int64_t entry) {
   State& s = *state_;
-  while (!s.over && s.entry < entry) MIEN_TRY(s.advance());
-  if (s.over || s.entry != entry) return sensor::Payload();
+  while (s.rows && s.entry < entry) MIEN_TRY(s.advance());
+  if (!s.rows || s.entry != entry) return sensor::Payload();
   return sensor::Payload{s.bytes, s.reducer};
 }
 
 Result<PayloadReader> Take::payloads() const {
   auto reader = std::make_unique<PayloadReader::State>();
   reader->take = state_.get();
-  const auto last = state_->last_row[static_cast<std::size_t>(TableId::payload)];
-  reader->over = !last;
-  if (last) {
-    MIEN_TRY_ASSIGN(reader->statement,
-                    state_->open.database.prepare("SELECT entry,reducer,bytes FROM payload WHERE entry<=?1 "
-                                                  "ORDER BY entry"));
-    reader->statement.bind(1, *last);
-  }
+  MIEN_TRY_ASSIGN(reader->rows, state_->open_rows(TableId::payload, "reducer,bytes"));
   return PayloadReader(std::move(reader));
 }
 
@@ -331,10 +322,9 @@ Result<std::vector<Tick>> Take::ticks() const {
   const State& s = *state_;
   std::int64_t after = 0;
   std::int64_t frame = -kMaxTimeNs - 1;
-  return s.read_all<Tick>(TableId::tick, "after_entry,fired_ns,time_ns", [&](Row& row, std::int64_t index) {
+  return s.read_all<Tick>(TableId::tick, "after_entry,fired_ns,time_ns", [&](Row& row, std::int64_t) {
     Tick tick;
     tick.index = row.integer(0, -kMaxFrame, kMaxFrame);
-    static_cast<void>(index);
     after = row.integer(1, after, s.entry_count());
     tick.after_entry = after;
     tick.fired = host_time(row.time_ns(2));
@@ -387,32 +377,26 @@ Result<std::vector<CalibrationVersion>> Take::calibrations() const {
 
 Result<std::optional<Audio>> Take::audio() const {
   // The pieces are joined while they are read, so that the sound is in memory once.
-  struct Nothing {};
-  Audio audio;
+  std::optional<Audio> audio;
   std::int64_t end = 0;
-  MIEN_TRY_ASSIGN(
-      const auto pieces,
-      state_->read_all<Nothing>(TableId::audio, "rate_hz,start_ns,pcm", [&](Row& row, std::int64_t) {
-        const auto rate = static_cast<int>(row.integer(1, kMinPcmRateHz, kMaxPcmRateHz));
-        const std::int64_t start = row.time_ns(2);
-        const auto blob = row.blob(3, kMaxPcmSamples * sizeof(float));
-        if (audio.rate_hz == 0) {
-          audio.rate_hz = rate;
-          audio.start = device_time(start);
-        } else if (rate != audio.rate_hz || std::abs(start - end) > kPcmJoinNs) {
-          row.reject("it does not begin where the sound before it ended, or has another rate");
-        }
-        if (blob.empty() || blob.size() % sizeof(float) != 0)
-          row.reject(fmt::format("pcm is {} bytes, not whole floats", blob.size()));
-        if (!row.ok()) return Nothing{};
-        const std::size_t before = audio.samples.size();
-        audio.samples.resize(before + blob.size() / sizeof(float));
-        const auto piece = std::span(audio.samples).subspan(before);
-        read_floats(row, 3, blob, piece, kAnyFinite);
-        end = start + from_seconds(static_cast<double>(piece.size()) / rate).count();
-        return Nothing{};
-      }));
-  if (pieces.empty()) return std::nullopt;
+  MIEN_TRY(state_->visit(TableId::audio, "rate_hz,start_ns,pcm", [&](Row& row, std::int64_t) {
+    const auto rate = static_cast<int>(row.integer(1, kMinPcmRateHz, kMaxPcmRateHz));
+    const std::int64_t start = row.time_ns(2);
+    const auto blob = row.blob(3, kMaxPcmSamples * sizeof(float));
+    if (!audio) {
+      audio = Audio{.rate_hz = rate, .start = device_time(start), .samples = {}};
+    } else if (rate != audio->rate_hz || std::abs(start - end) > kPcmJoinNs) {
+      row.reject("it does not begin where the sound before it ended, or has another rate");
+    }
+    if (blob.empty() || blob.size() % sizeof(float) != 0)
+      row.reject(fmt::format("pcm is {} bytes, not whole floats", blob.size()));
+    if (!row.ok()) return;
+    const std::size_t before = audio->samples.size();
+    audio->samples.resize(before + blob.size() / sizeof(float));
+    const auto piece = std::span(audio->samples).subspan(before);
+    read_floats(row, 3, blob, piece, kAnyFinite);
+    end = start + from_seconds(static_cast<double>(piece.size()) / rate).count();
+  }));
   return audio;
 }
 

@@ -192,8 +192,8 @@ class PayloadReader {
 /// Reads a take; one killed while being written opens again, with everything up to its last commit. What it
 /// reads is what stood in the file when it was opened, also while the take is still being recorded. A
 /// foreign, broken or doctored file is refused with one line; no number leaves here unchecked
-/// (docs/reference/take.md lists the ranges), and samples, ticks and entries come in the order that
-/// replay_order() needs.
+/// (docs/reference/take.md lists the ranges), and entries come by their ids, samples by their entries, and
+/// ticks by the entry after which they fired.
 ///
 /// Where the recording was cut off inside a commit, its `-journal` beside it is rolled back; where this
 /// program may not write there, that is done on a copy in the temporary folder. Thread: one at a time.

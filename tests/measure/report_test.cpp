@@ -13,8 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "mien/measure/zoom_script.h"
-
 namespace mien::measure::report_test {
 namespace {
 
@@ -32,7 +30,7 @@ std::string attribute(const std::string& drawing, const std::string& name) {
   return drawing.substr(begin, drawing.find('"', begin) - begin);
 }
 
-/// What zoom_script.h makes of the first line's numbers.
+/// What zoom.js makes of the first line's numbers.
 std::vector<std::vector<std::pair<double, double>>> carried(const std::string& drawing) {
   const auto two = [&](const char* name) {
     std::istringstream in(attribute(drawing, name));
@@ -99,7 +97,7 @@ TEST(Report, NeedsNothingFromOutside) {
 TEST(Report, RunsTheOneScriptThatZoomsItsLinePlots) {
   const std::string html = whole().html();
   EXPECT_EQ(count(html, "<script"), 1);
-  EXPECT_NE(html.find("<script>" + std::string(kZoomScript) + "</script>\n</body>"), std::string::npos);
+  EXPECT_NE(html.find("<script>\n" + std::string(kZoomScript) + "</script>\n</body>"), std::string::npos);
   // Nothing ends it early, fetches, stores or makes markup of text.
   for (const char* word : {"</", "<!--", "://", "import", "fetch", "XMLHttp", "innerHTML", "insertAdjacent",
                            "eval(", "Function(", "localStorage", "document.write"})

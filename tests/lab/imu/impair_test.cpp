@@ -7,7 +7,6 @@
 
 #include "mien/imu/packets/packet.h"
 #include "mien/imu/pipeline.h"
-#include "mien/take/session_log.h"
 #include "tests/imu/clocked_pipeline.h"
 #include "tests/lab/imu/impaired_session.h"
 
@@ -103,14 +102,14 @@ TEST(Impair, ThePipelineStillFindsTheSkinThroughABadNetwork) {
     if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
   const auto sites = virt::test::three_sites();
   model::FeatureFrame frame;
-  std::size_t tick = 0;
   double square = 0;
   double count = 0;
-  for (const auto& step : take::replay_order(worse.samples, worse.ticks)) {
-    if (step.item != nullptr) pipeline.add(step.item->arrival, step.item->sample);
-    if (step.tick == nullptr) continue;
-    pipeline.tick(step.tick->frame, frame);
-    const take::TruthFrame& truth = worse.truth[tick++];
+  auto next = worse.samples.begin();
+  for (std::size_t i = 0; i < worse.ticks.size(); ++i) {
+    for (; next != worse.samples.end() && next->entry <= worse.ticks[i].after_entry; ++next)
+      pipeline.add(next->arrival, next->sample);
+    pipeline.tick(worse.ticks[i].frame, frame);
+    const take::TruthFrame& truth = worse.truth[i];
     if (!truth.evaluated || !frame.sensors[0].has_rotation) continue;
     const auto& q = frame.sensors[0].rotation;
     const double angle = sites[0].rotation(truth.weights).angularDistance(Quat(q[0], q[1], q[2], q[3]));

@@ -12,7 +12,6 @@
 #include "mien/imu/pipeline.h"
 #include "mien/performer/performer.h"
 #include "mien/performer/style.h"
-#include "mien/take/session_log.h"
 #include "tests/imu/clocked_pipeline.h"
 #include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
@@ -309,12 +308,12 @@ void solve(const VirtualSession& session, const ReceivedTest& received,
     if (event.kind == "shake") pipeline.mark(imu::Phase::shake, event.begin, event.end);
   }
   model::FeatureFrame frame;
-  std::size_t tick = 0;
-  for (const auto& step : take::replay_order(session.samples, session.ticks)) {
-    if (step.item != nullptr && received(*step.item)) pipeline.add(step.item->arrival, step.item->sample);
-    if (step.tick == nullptr) continue;
-    pipeline.tick(step.tick->frame, frame);
-    const take::TruthFrame& truth = session.truth[tick++];
+  auto next = session.samples.begin();
+  for (std::size_t i = 0; i < session.ticks.size(); ++i) {
+    for (; next != session.samples.end() && next->entry <= session.ticks[i].after_entry; ++next)
+      if (received(*next)) pipeline.add(next->arrival, next->sample);
+    pipeline.tick(session.ticks[i].frame, frame);
+    const take::TruthFrame& truth = session.truth[i];
     if (truth.evaluated) see(truth, frame);
   }
 }

@@ -1,14 +1,3 @@
-#pragma once
-
-#include <string_view>
-
-namespace mien::measure {
-
-/// Makes a page's line plots zoomable where scripts run: draws a stretch anew from the numbers that
-/// svg(LinePlot) puts into a drawing's attributes, by the rules by which that draws the whole, which it
-/// leaves alone. It fetches and stores nothing; what it shows of names is text, never markup. Plain
-/// JavaScript of 2022.
-inline constexpr std::string_view kZoomScript = R"js(
 for (const svg of document.querySelectorAll("svg[data-x]")) {
   const numbers = (words) => words.split(" ").map(Number);
   const [x0, x1] = numbers(svg.dataset.x), [y0, y1] = numbers(svg.dataset.y), steps = numbers(svg.dataset.steps);
@@ -158,6 +147,3 @@ for (const svg of document.querySelectorAll("svg[data-x]")) {
   Object.assign(svg.style, { touchAction: "pan-y pinch-zoom", userSelect: "none", cursor: "crosshair" });
   back();
 }
-)js";
-
-}  // namespace mien::measure

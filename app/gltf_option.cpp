@@ -1,19 +1,20 @@
-#include "app/names_option.h"
+#include "app/gltf_option.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "app/chosen_face.h"
 #include "app/command.h"
-#include "app/one_line.h"
+#include "mien/builtin_face/texture_layout.h"
 #include "mien/core/nearest_word.h"
 
 namespace mien::app {
-
 namespace {
 
 /// A check of a word against those that are known; `what` are they, as in "there are no names 'x'".
@@ -61,6 +62,24 @@ Result<void> check_gltf_output(const std::filesystem::path& file, render::GltfNa
     return fail(ErrorCode::bad_usage, "an avatar has VRM's names", file.string(),
                 "leave --names out, or name it .glb");
   return check_output(file, {other, ".glb", ".gltf", ".vrm"});
+}
+
+Result<TexturedFace> textured_face(const std::string& what, const std::string& option,
+                                   const Progress& progress) {
+  TexturedFace made;
+  MIEN_TRY_ASSIGN(made.face, chosen_face(what, progress));
+  // A receiver shows the name: a performer's, or who else was asked for.
+  constexpr std::string_view kFamily = "builtin:";
+  if (what.starts_with(kFamily)) made.face.name = what.substr(kFamily.size());
+  const bool builtin = made.face.origin == face::Origin::builtin;
+  if (option == "none" || (option.empty() && !builtin)) return made;
+  if (!builtin)
+    return fail(ErrorCode::bad_usage, "textures are made of built-in faces only", "--textures " + option,
+                "choose --face builtin, or --textures none");
+  made.textures.side_px = option == "1024" ? 1024 : 2048;
+  builtin_face::lay_out_textures(made.face);
+  MIEN_TRY_ASSIGN(made.textures.marks, skin_marks_of(what, made.face));
+  return made;
 }
 
 }  // namespace mien::app
