@@ -109,7 +109,7 @@ Sheet performers() {
                      .pose = performer::named_pose("smile").value(),
                      .light = "studio",
                      .view_rad = 0.35F,
-                     .caption = std::string(performer.name)});
+                     .caption = performer.name});
   return {std::move(shots), 5, 240};
 }
 
@@ -117,7 +117,7 @@ Sheet performers() {
 Sheet cuts() {
   std::vector<Shot> shots;
   for (const float view_rad : {render::kFrontView_rad, render::kSideView_rad})
-    for (const std::string_view cut : {"none", "crop", "swept", "bob", "curls", "tied"})
+    for (const std::string_view cut : builtin_face::kHairStyleNames)
       shots.push_back({.who = someone(fmt::format("builtin,hair={}", cut)),
                        .pose = {},
                        .view_rad = view_rad,

@@ -10,7 +10,7 @@
 
 namespace mien::builtin_face {
 
-/// How the hair of the head is cut: ribbons of strands on the scalp.
+/// How the hair of the head is cut: ribbons of strands on the scalp (haircuts.toml).
 enum class HairStyle : std::uint8_t {
   none,
   crop,   ///< Short all over, forward from a whorl.
@@ -19,7 +19,10 @@ enum class HairStyle : std::uint8_t {
   curls,  ///< Loose curls.
   tied,   ///< Combed back into a knot.
 };
-inline constexpr std::size_t kHairStyleCount = 6;
+/// As files and people name them.
+inline constexpr std::array<std::string_view, 6> kHairStyleNames = {"none", "crop",  "swept",
+                                                                    "bob",  "curls", "tied"};
+inline constexpr std::size_t kHairStyleCount = kHairStyleNames.size();
 
 /// Who the built-in face is. Each identity number is in standard deviations of this family, 0 the default
 /// face; values are held to [-3, 3]. Raising one does what its name says.
