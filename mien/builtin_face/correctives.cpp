@@ -61,20 +61,6 @@ struct Push {
   std::vector<Vec3> from, to;
 };
 
-/// How far `to` (mm) is to go to stand before the teeth of this arch, where it came from before them.
-Vec3 out_of_teeth(const DentalArch& arch, bool up, const Vec3& home, const Vec3& to) {
-  constexpr double kTooth = 11, kClear = 0.4;  // mm
-  const auto across = [&](const Vec3& p) {
-    return std::hypot(p.x() / arch.half_width, (p.z() - arch.front_z + arch.depth) / arch.depth);
-  };
-  const double past_gum = up ? arch.gum_y - to.y() : to.y() - arch.gum_y;
-  const double near = smoothstep(-4, -1, past_gum) * smoothstep(kTooth + 3, kTooth, past_gum);
-  const double r = across(to), least = 1 + kClear / arch.half_width;
-  if (near == 0 || to.z() < arch.front_z - arch.depth || across(home) < 0.96 || r >= least)
-    return Vec3::Zero();
-  return near * (least / r - 1) * Vec3(to.x(), 0, to.z() - arch.front_z + arch.depth);
-}
-
 /// Every pair of pulls of the mouth that ends in teeth when both are full on, though neither does.
 std::vector<Push> find_pushes(const Sculpt& sculpt) {
   constexpr std::string_view kPulls[] = {
@@ -101,9 +87,7 @@ std::vector<Push> find_pushes(const Sculpt& sculpt) {
       Push push{.a = index_of(kPulls[a]), .b = index_of(kPulls[b]), .vertex = {}, .from = {}, .to = {}};
       for (std::uint32_t i = 0; i < n; ++i) {
         const SculptVertex& v = sculpt.vertices[i];
-        const bool beside_lips =
-            v.tissue == Tissue::skin && v.p.z() > 85 && std::abs(v.p.y() - kMouthCornerY) < 17;
-        if (v.tissue != Tissue::lip && v.tissue != Tissue::mouth && !beside_lips) continue;
+        if (!may_touch_teeth(v)) continue;
         if (d[a][i].squaredNorm() == 0 && d[b][i].squaredNorm() == 0) continue;
         const auto way_out = [&](const Vec3& by, const Vec3& of_teeth) {
           const Vec3 up = out_of_teeth(kUpperArch, true, v.p, v.p + by);
