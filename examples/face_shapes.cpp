@@ -14,7 +14,6 @@
 
 #include "mien/builtin_face/correctives.h"
 #include "mien/builtin_face/person.h"
-#include "mien/builtin_face/skin_folds.h"
 #include "mien/builtin_face/skin_marks.h"
 #include "mien/builtin_face/texture_layout.h"
 #include "mien/face/target_names.h"

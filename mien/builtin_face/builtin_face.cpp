@@ -10,7 +10,6 @@
 #include "mien/builtin_face/haircut.h"
 #include "mien/builtin_face/held.h"
 #include "mien/builtin_face/identity.h"
-#include "mien/builtin_face/landmarks.h"
 #include "mien/builtin_face/mesh.h"
 
 namespace mien::builtin_face {

@@ -153,6 +153,12 @@ void add_eyeballs(Sculpt& whole);
 /// The default head, sculpted once; vertices are numbered as those of every built-in face without hair.
 [[nodiscard]] const Sculpt& default_sculpt();
 
+/// Multi-PIE's 68 on the sculpted head: each the vertex nearest to its place, the right ones mirrored.
+[[nodiscard]] std::array<std::uint32_t, 68> find_landmarks(const Sculpt& s);
+
+/// The regions of Face::regions, by place and tissue.
+[[nodiscard]] std::vector<face::Region> find_regions(const Sculpt& s);
+
 /// How far brows of this fullness (BuiltinParameters) reach above and below their middle; 1 the default's.
 [[nodiscard]] inline double brow_spread(double brow_fullness) {
   return 1 + 0.22 * std::clamp(brow_fullness, -3.0, 3.0);

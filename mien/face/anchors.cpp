@@ -4,7 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "mien/face/shapes_named.h"
+#include "mien/face/target_names.h"
 
 namespace mien::face {
 namespace {
