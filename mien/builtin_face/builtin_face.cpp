@@ -11,6 +11,7 @@
 #include "mien/builtin_face/held.h"
 #include "mien/builtin_face/identity.h"
 #include "mien/builtin_face/mesh.h"
+#include "mien/face/profile_map.h"
 
 namespace mien::builtin_face {
 namespace {
@@ -166,7 +167,7 @@ face::Face make_builtin(const BuiltinParameters& parameters) {
   face.colour = colours_of(parameters, visible_albedos(held(parameters)));
   for (std::size_t k = 0; k <= face::kShapeCount; ++k) {
     face::Shape shape;
-    shape.name = k < face::kShapeCount ? std::string(face::kShapeNames[k]) : "tongueOut";
+    shape.name = face::inner_name(k);
     const Moved& moved = head.moved[k];
     shape.vertex = moved.vertex;
     shape.delta_m.reserve(moved.to.size());

@@ -19,10 +19,6 @@ using face::Corrective;
 /// More than any weight is: such a driver has no upper end.
 constexpr float kNoEnd = 4;
 
-std::size_t index_of(std::string_view name) {
-  return static_cast<std::size_t>(std::ranges::find(face::kShapeNames, name) - face::kShapeNames.begin());
-}
-
 /// Takes a shape's delta back where lids are, all of it at their margins.
 Corrective held_lids(const Sculpt& sculpt, const face::Shape& shape, bool left,
                      std::vector<Corrective::Driver> drivers) {
@@ -45,10 +41,10 @@ void add_lids(const Sculpt& sculpt, const face::Face& face, std::vector<Correcti
                                              "mouthUpperUp", "noseSneer"};
   for (const bool left : {true, false}) {
     const std::string side = left ? "_L" : "_R";
-    const std::size_t blink = index_of("eyeBlink" + side);
+    const std::size_t blink = face::shape_index("eyeBlink" + side);
     out.push_back(held_lids(sculpt, face.shapes[blink], left, {{blink, 1, kNoEnd}}));
     for (const std::string_view name : kWithBlink) {
-      const std::size_t other = index_of(std::string(name) + side);
+      const std::size_t other = face::shape_index(std::string(name) + side);
       out.push_back(held_lids(sculpt, face.shapes[other], left, {{blink, 0, 1}, {other, 0, kNoEnd}}));
     }
   }
@@ -72,7 +68,7 @@ std::vector<Push> find_pushes(const Sculpt& sculpt) {
   std::vector<std::vector<Vec3>> d;
   std::vector<Vec3> teeth;  // How each moves the lower ones.
   for (const std::string_view name : kPulls) {
-    const face::Shape& shape = face.shapes[index_of(name)];
+    const face::Shape& shape = face.shapes[face::shape_index(name)];
     d.emplace_back(n, Vec3::Zero());
     teeth.emplace_back(Vec3::Zero());
     for (std::size_t i = 0; i < shape.vertex.size(); ++i) {
@@ -84,7 +80,11 @@ std::vector<Push> find_pushes(const Sculpt& sculpt) {
   std::vector<Push> out;
   for (std::size_t a = 0; a < d.size(); ++a)
     for (std::size_t b = a + 1; b < d.size(); ++b) {
-      Push push{.a = index_of(kPulls[a]), .b = index_of(kPulls[b]), .vertex = {}, .from = {}, .to = {}};
+      Push push{.a = face::shape_index(kPulls[a]),
+                .b = face::shape_index(kPulls[b]),
+                .vertex = {},
+                .from = {},
+                .to = {}};
       for (std::uint32_t i = 0; i < n; ++i) {
         const SculptVertex& v = sculpt.vertices[i];
         if (!may_touch_teeth(v)) continue;
