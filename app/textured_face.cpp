@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "app/chosen_face.h"
-#include "mien/builtin_face/texture_layout.h"
+#include "mien/builtin_face/builtin_face.h"
 
 namespace mien::app {
 

@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
+#include "mien/builtin_face/builtin_face.h"
 #include "mien/builtin_face/correctives.h"
 #include "mien/builtin_face/person.h"
 #include "mien/builtin_face/skin_marks.h"
-#include "mien/builtin_face/texture_layout.h"
 #include "mien/face/target_names.h"
 #include "mien/performer/named_pose.h"
 #include "mien/render/camera.h"

@@ -1,4 +1,4 @@
-#include "mien/face/gltf/finish.h"
+#include "mien/face/gltf/assembly.h"
 
 #include <fmt/format.h>
 
