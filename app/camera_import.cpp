@@ -19,7 +19,7 @@
 #include "mien/headset/jpeg_gate.h"
 #include "mien/headset/picture_packet.h"
 #include "mien/modalities/modalities.h"
-#include "mien/render/jpeg.h"
+#include "mien/render/image.h"
 #include "mien/sensor/bindings.h"
 #include "mien/sensor/picture_view.h"
 #include "mien/session/event_list.h"

@@ -8,7 +8,6 @@
 #include "mien/builtin_face/correctives.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/builtin_face/person.h"
-#include "mien/builtin_face/skin_folds.h"
 #include "mien/builtin_face/skin_marks.h"
 
 namespace mien::app {

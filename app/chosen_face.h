@@ -7,7 +7,6 @@
 #include "mien/core/progress.h"
 #include "mien/face/corrective.h"
 #include "mien/face/face.h"
-#include "mien/face/skin_folds.h"
 #include "mien/face/skin_marks.h"
 
 namespace mien::app {

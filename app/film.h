@@ -11,7 +11,6 @@
 #include "mien/face/corrective.h"
 #include "mien/face/face.h"
 #include "mien/face/motion.h"
-#include "mien/face/skin_folds.h"
 #include "mien/face/skin_marks.h"
 #include "mien/render/camera.h"
 #include "mien/render/renderer.h"

@@ -11,7 +11,7 @@
 
 #include "app/chosen_face.h"
 #include "app/command.h"
-#include "mien/builtin_face/texture_layout.h"
+#include "mien/builtin_face/builtin_face.h"
 #include "mien/core/nearest_word.h"
 
 namespace mien::app {

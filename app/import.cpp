@@ -15,7 +15,7 @@
 #include "app/write_motion.h"
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
-#include "mien/face/load_motion.h"
+#include "mien/face/livelink_csv.h"
 #include "mien/mocap/load_marker_track.h"
 #include "mien/take/take.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "mien/core/excerpt.h"
-#include "mien/face/load_motion.h"
+#include "mien/face/livelink_csv.h"
 
 namespace mien::app {
 namespace {

@@ -12,11 +12,10 @@
 #include <utility>
 #include <vector>
 
+#include "mien/builtin_face/builtin_face.h"
 #include "mien/builtin_face/correctives.h"
 #include "mien/builtin_face/person.h"
-#include "mien/builtin_face/skin_folds.h"
 #include "mien/builtin_face/skin_marks.h"
-#include "mien/builtin_face/texture_layout.h"
 #include "mien/face/target_names.h"
 #include "mien/performer/named_pose.h"
 #include "mien/render/camera.h"
@@ -109,7 +108,7 @@ Sheet performers() {
                      .pose = performer::named_pose("smile").value(),
                      .light = "studio",
                      .view_rad = 0.35F,
-                     .caption = std::string(performer.name)});
+                     .caption = performer.name});
   return {std::move(shots), 5, 240};
 }
 
@@ -117,7 +116,7 @@ Sheet performers() {
 Sheet cuts() {
   std::vector<Shot> shots;
   for (const float view_rad : {render::kFrontView_rad, render::kSideView_rad})
-    for (const std::string_view cut : {"none", "crop", "swept", "bob", "curls", "tied"})
+    for (const std::string_view cut : builtin_face::kHairStyleNames)
       shots.push_back({.who = someone(fmt::format("builtin,hair={}", cut)),
                        .pose = {},
                        .view_rad = view_rad,

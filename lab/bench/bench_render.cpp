@@ -11,7 +11,7 @@
 #include "lab/bench/clock.h"
 #include "lab/commands/output.h"
 #include "mien/builtin_face/builtin_face.h"
-#include "mien/builtin_face/skin_folds.h"
+#include "mien/builtin_face/skin_marks.h"
 #include "mien/face/motion.h"
 #include "mien/performer/performer.h"
 #include "mien/render/comparison.h"

@@ -18,7 +18,7 @@
 
 #include "lab/bench/attack.h"
 #include "mien/core/bytes.h"
-#include "mien/render/jpeg.h"
+#include "mien/render/image.h"
 
 namespace mien::lab {
 namespace {

@@ -28,7 +28,7 @@
 #include "mien/core/random.h"
 #include "mien/eyewear/light_grid.h"
 #include "mien/face/motion.h"
-#include "mien/face/region_names.h"
+#include "mien/face/shape_region.h"
 #include "mien/measure/report.h"
 #include "mien/model/confidence.h"
 #include "mien/model/model_file.h"

@@ -23,6 +23,11 @@ inline constexpr double kMouthCornerX = 25.0, kMouthCornerY = -33.6;
 
 inline const Vec3 kJawHinge{0, -2, 16};  ///< On the axis through both jaw joints.
 
+/// The same place of the other half.
+[[nodiscard]] inline Vec3 flip(const Vec3& p) {
+  return {-p.x(), p.y(), p.z()};
+}
+
 [[nodiscard]] inline double gauss(double x) {
   return std::exp(-x * x);
 }
@@ -80,6 +85,21 @@ struct DentalArch {
   double half_width, front_z, depth, gum_y;
 };
 inline constexpr DentalArch kUpperArch{28.5, 104.6, 42, -25.4}, kLowerArch{27, 102.1, 40.5, -43.6};
+
+/// How far `to` (mm) is to go to stand before the teeth of this arch (`up`: the upper one), where it came
+/// from before them.
+[[nodiscard]] inline Vec3 out_of_teeth(const DentalArch& arch, bool up, const Vec3& home, const Vec3& to) {
+  constexpr double kTooth = 11, kClear = 0.4;  // mm
+  const auto across = [&](const Vec3& p) {
+    return std::hypot(p.x() / arch.half_width, (p.z() - arch.front_z + arch.depth) / arch.depth);
+  };
+  const double past_gum = up ? arch.gum_y - to.y() : to.y() - arch.gum_y;
+  const double near = smoothstep(-4, -1, past_gum) * smoothstep(kTooth + 3, kTooth, past_gum);
+  const double r = across(to), least = 1 + kClear / arch.half_width;
+  if (near == 0 || to.z() < arch.front_z - arch.depth || across(home) < 0.96 || r >= least)
+    return Vec3::Zero();
+  return near * (least / r - 1) * Vec3(to.x(), 0, to.z() - arch.front_z + arch.depth);
+}
 
 /// Height of the brow's middle at x.
 [[nodiscard]] inline double brow_y(double x) {

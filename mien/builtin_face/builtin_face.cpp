@@ -10,8 +10,8 @@
 #include "mien/builtin_face/haircut.h"
 #include "mien/builtin_face/held.h"
 #include "mien/builtin_face/identity.h"
-#include "mien/builtin_face/landmarks.h"
 #include "mien/builtin_face/mesh.h"
+#include "mien/face/profile_map.h"
 
 namespace mien::builtin_face {
 namespace {
@@ -167,7 +167,7 @@ face::Face make_builtin(const BuiltinParameters& parameters) {
   face.colour = colours_of(parameters, visible_albedos(held(parameters)));
   for (std::size_t k = 0; k <= face::kShapeCount; ++k) {
     face::Shape shape;
-    shape.name = k < face::kShapeCount ? std::string(face::kShapeNames[k]) : "tongueOut";
+    shape.name = face::inner_name(k);
     const Moved& moved = head.moved[k];
     shape.vertex = moved.vertex;
     shape.delta_m.reserve(moved.to.size());
@@ -195,16 +195,15 @@ std::array<BuiltinSite, 12> builtin_sites() {
   const Vec3 frontalis(35.1, 71.7, 95.8), orbicularis(51.7, 23.4, 85.9), upper(41.6, 6.9, 94.2),
       lower(34.7, -19, 99.9), buccinator(39.3, -36.5, 94.1), mentalis(0, -68.6, 109.3),
       mastoid(62.9, -7, -18.1);
-  const auto right = [](const Vec3& p) { return Vec3(-p.x(), p.y(), p.z()); };
-  return {{{"frontalis_R", right(frontalis) * kMm},
+  return {{{"frontalis_R", flip(frontalis) * kMm},
            {"frontalis_L", frontalis * kMm},
-           {"orbicularis_R", right(orbicularis) * kMm},
+           {"orbicularis_R", flip(orbicularis) * kMm},
            {"orbicularis_L", orbicularis * kMm},
-           {"zygomaticus_upper_R", right(upper) * kMm},
+           {"zygomaticus_upper_R", flip(upper) * kMm},
            {"zygomaticus_upper_L", upper * kMm},
-           {"zygomaticus_lower_R", right(lower) * kMm},
+           {"zygomaticus_lower_R", flip(lower) * kMm},
            {"zygomaticus_lower_L", lower * kMm},
-           {"buccinator_R", right(buccinator) * kMm},
+           {"buccinator_R", flip(buccinator) * kMm},
            {"buccinator_L", buccinator * kMm},
            {"mentalis", mentalis * kMm},
            {"mastoid_L", mastoid * kMm}}};

@@ -10,7 +10,7 @@
 
 namespace mien::builtin_face {
 
-/// How the hair of the head is cut: ribbons of strands on the scalp.
+/// How the hair of the head is cut: ribbons of strands on the scalp (haircuts.toml).
 enum class HairStyle : std::uint8_t {
   none,
   crop,   ///< Short all over, forward from a whorl.
@@ -19,7 +19,10 @@ enum class HairStyle : std::uint8_t {
   curls,  ///< Loose curls.
   tied,   ///< Combed back into a knot.
 };
-inline constexpr std::size_t kHairStyleCount = 6;
+/// As files and people name them.
+inline constexpr std::array<std::string_view, 6> kHairStyleNames = {"none", "crop",  "swept",
+                                                                    "bob",  "curls", "tied"};
+inline constexpr std::size_t kHairStyleCount = kHairStyleNames.size();
 
 /// Who the built-in face is. Each identity number is in standard deviations of this family, 0 the default
 /// face; values are held to [-3, 3]. Raising one does what its name says.
@@ -88,6 +91,15 @@ struct BuiltinParameters {
 /// Replaces the face's colours, which make_builtin gave these same parameters, by its reflectances at 850 nm:
 /// grey, all channels equal.
 void paint_infrared(face::Face& face, const BuiltinParameters& parameters);
+
+/// Lays the skin, lips and eyeballs of a built-in face out on one square picture: its texture coordinates
+/// (uv, (0, 0) the picture's upper left) are what they were for strands and in the picture for these. No two
+/// places of them share one of the picture, but for the caps behind the eyeballs, which are turned over.
+/// Above, the skin from crown to neck, unrolled about the head's axis: u 0.5 is the middle of the face and
+/// the performer's left lies right of it; the seam is at the back, where a vertex has u 1 and triangles on
+/// the performer's right mean 0. A millimetre of the face is wider there than one of scalp and neck. Below,
+/// ears and eyeballs, each a disc. Other parts stay at (0, 0).
+void lay_out_textures(face::Face& builtin);
 
 /// The default one, made at the first call and kept. Thread-safe.
 [[nodiscard]] const face::Face& default_builtin();

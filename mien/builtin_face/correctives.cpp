@@ -19,10 +19,6 @@ using face::Corrective;
 /// More than any weight is: such a driver has no upper end.
 constexpr float kNoEnd = 4;
 
-std::size_t index_of(std::string_view name) {
-  return static_cast<std::size_t>(std::ranges::find(face::kShapeNames, name) - face::kShapeNames.begin());
-}
-
 /// Takes a shape's delta back where lids are, all of it at their margins.
 Corrective held_lids(const Sculpt& sculpt, const face::Shape& shape, bool left,
                      std::vector<Corrective::Driver> drivers) {
@@ -45,10 +41,10 @@ void add_lids(const Sculpt& sculpt, const face::Face& face, std::vector<Correcti
                                              "mouthUpperUp", "noseSneer"};
   for (const bool left : {true, false}) {
     const std::string side = left ? "_L" : "_R";
-    const std::size_t blink = index_of("eyeBlink" + side);
+    const std::size_t blink = face::shape_index("eyeBlink" + side);
     out.push_back(held_lids(sculpt, face.shapes[blink], left, {{blink, 1, kNoEnd}}));
     for (const std::string_view name : kWithBlink) {
-      const std::size_t other = index_of(std::string(name) + side);
+      const std::size_t other = face::shape_index(std::string(name) + side);
       out.push_back(held_lids(sculpt, face.shapes[other], left, {{blink, 0, 1}, {other, 0, kNoEnd}}));
     }
   }
@@ -61,20 +57,6 @@ struct Push {
   std::vector<Vec3> from, to;
 };
 
-/// How far `to` (mm) is to go to stand before the teeth of this arch, where it came from before them.
-Vec3 out_of_teeth(const DentalArch& arch, bool up, const Vec3& home, const Vec3& to) {
-  constexpr double kTooth = 11, kClear = 0.4;  // mm
-  const auto across = [&](const Vec3& p) {
-    return std::hypot(p.x() / arch.half_width, (p.z() - arch.front_z + arch.depth) / arch.depth);
-  };
-  const double past_gum = up ? arch.gum_y - to.y() : to.y() - arch.gum_y;
-  const double near = smoothstep(-4, -1, past_gum) * smoothstep(kTooth + 3, kTooth, past_gum);
-  const double r = across(to), least = 1 + kClear / arch.half_width;
-  if (near == 0 || to.z() < arch.front_z - arch.depth || across(home) < 0.96 || r >= least)
-    return Vec3::Zero();
-  return near * (least / r - 1) * Vec3(to.x(), 0, to.z() - arch.front_z + arch.depth);
-}
-
 /// Every pair of pulls of the mouth that ends in teeth when both are full on, though neither does.
 std::vector<Push> find_pushes(const Sculpt& sculpt) {
   constexpr std::string_view kPulls[] = {
@@ -86,7 +68,7 @@ std::vector<Push> find_pushes(const Sculpt& sculpt) {
   std::vector<std::vector<Vec3>> d;
   std::vector<Vec3> teeth;  // How each moves the lower ones.
   for (const std::string_view name : kPulls) {
-    const face::Shape& shape = face.shapes[index_of(name)];
+    const face::Shape& shape = face.shapes[face::shape_index(name)];
     d.emplace_back(n, Vec3::Zero());
     teeth.emplace_back(Vec3::Zero());
     for (std::size_t i = 0; i < shape.vertex.size(); ++i) {
@@ -98,12 +80,14 @@ std::vector<Push> find_pushes(const Sculpt& sculpt) {
   std::vector<Push> out;
   for (std::size_t a = 0; a < d.size(); ++a)
     for (std::size_t b = a + 1; b < d.size(); ++b) {
-      Push push{.a = index_of(kPulls[a]), .b = index_of(kPulls[b]), .vertex = {}, .from = {}, .to = {}};
+      Push push{.a = face::shape_index(kPulls[a]),
+                .b = face::shape_index(kPulls[b]),
+                .vertex = {},
+                .from = {},
+                .to = {}};
       for (std::uint32_t i = 0; i < n; ++i) {
         const SculptVertex& v = sculpt.vertices[i];
-        const bool beside_lips =
-            v.tissue == Tissue::skin && v.p.z() > 85 && std::abs(v.p.y() - kMouthCornerY) < 17;
-        if (v.tissue != Tissue::lip && v.tissue != Tissue::mouth && !beside_lips) continue;
+        if (!may_touch_teeth(v)) continue;
         if (d[a][i].squaredNorm() == 0 && d[b][i].squaredNorm() == 0) continue;
         const auto way_out = [&](const Vec3& by, const Vec3& of_teeth) {
           const Vec3 up = out_of_teeth(kUpperArch, true, v.p, v.p + by);

@@ -96,7 +96,6 @@ Vec3 push(const V& v, const Vec3& centre, const Vec3& r, const Vec3& d, Lips lip
 
 /// The same on both sides.
 Vec3 push_both(const V& v, const Vec3& centre, const Vec3& r, const Vec3& d, Lips which = Lips::both) {
-  const auto flip = [](const Vec3& p) { return Vec3(-p.x(), p.y(), p.z()); };
   return push(v, centre, r, d, which) + push(v, flip(centre), r, flip(d), which);
 }
 
@@ -330,40 +329,20 @@ void keep_off_eyeballs(const Sculpt& whole, std::span<const std::uint32_t> lid_s
   for (const std::uint32_t i : lid_skin) {
     const V& v = whole.vertices[i];
     if (d[i].squaredNorm() == 0) continue;
-    const Vec3 centre(v.p.x() > 0 ? kEyeCentre.x() : -kEyeCentre.x(), kEyeCentre.y(), kEyeCentre.z());
+    const Vec3 centre = v.p.x() > 0 ? kEyeCentre : flip(kEyeCentre);
     const Vec3 arm = v.p + d[i] - centre;
     const double least = kLidRadius - 0.25;
     if (arm.norm() < least) d[i] += arm.normalized() * (least - arm.norm());
   }
 }
 
-/// Where `p` stands about an arch: below 1 inside of it.
-double across_arch(const DentalArch& arch, const Vec3& p) {
-  return std::hypot(p.x() / arch.half_width, (p.z() - arch.front_z + arch.depth) / arch.depth);
-}
-
-bool may_touch_teeth(const V& v) {
-  const bool beside_lips = v.tissue == Tissue::skin && v.p.z() > 85 && std::abs(v.p.y() - kMouthCornerY) < 17;
-  return v.tissue == Tissue::lip || v.tissue == Tissue::mouth || beside_lips;
-}
-
 /// `about_mouth`: vertices that may touch teeth.
 void keep_off_teeth(const Sculpt& whole, std::span<const std::uint32_t> about_mouth, std::vector<Vec3>& d) {
-  constexpr double kTooth = 11, kClear = 0.4;  // mm
   for (const std::uint32_t i : about_mouth) {
-    const V& v = whole.vertices[i];
     if (d[i].squaredNorm() == 0) continue;
-    for (const bool up : {true, false}) {
-      const DentalArch& arch = up ? kUpperArch : kLowerArch;
-      const Vec3 to = v.p + d[i];
-      const double past_gum = up ? arch.gum_y - to.y() : to.y() - arch.gum_y;
-      const double near = smoothstep(-4, -1, past_gum) * smoothstep(kTooth + 3, kTooth, past_gum);
-      if (near == 0 || to.z() < arch.front_z - arch.depth || across_arch(arch, v.p) < 0.96) continue;
-      const double r = across_arch(arch, to), least = 1 + kClear / arch.half_width;
-      if (r >= least) continue;
-      const Vec3 out(to.x(), 0, to.z() - arch.front_z + arch.depth);
-      d[i] += near * (least / r - 1) * out;
-    }
+    const Vec3& home = whole.vertices[i].p;
+    d[i] += out_of_teeth(kUpperArch, true, home, home + d[i]);
+    d[i] += out_of_teeth(kLowerArch, false, home, home + d[i]);
   }
 }
 
@@ -403,7 +382,7 @@ void sculpt_shapes(const Sculpt& whole, const TakeShape& take) {
     tune(k, left);
     const std::size_t mirrored = right_one_of(k);
     if (mirrored != face::kShapeCount)
-      for (const std::uint32_t i : moving) right[whole.mirror[i]] = {-left[i].x(), left[i].y(), left[i].z()};
+      for (const std::uint32_t i : moving) right[whole.mirror[i]] = flip(left[i]);
     const bool jaw_stays = !face::kShapeNames[k].starts_with("jaw") && k != face::shape("mouthClose");
     if (jaw_stays) keep_off_teeth(whole, about_mouth, left);
     take(k, left);

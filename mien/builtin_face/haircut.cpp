@@ -9,32 +9,30 @@
 #include "mien/builtin_face/anatomy.h"
 #include "mien/builtin_face/surface.h"
 #include "mien/core/random.h"
+#include "mien/core/toml.h"
 
 namespace mien::builtin_face {
+
+extern const std::string_view kHaircutsToml;  // haircuts.toml.
+
 namespace {
 
-/// Which way hair is combed.
-enum class Flow : std::uint8_t {
-  whorl,   ///< Away from a point of the crown.
-  parted,  ///< Away from a line from front to back.
-  back,    ///< Towards a knot at the back.
-};
+/// Which way hair is combed: away from a point of the crown, away from a line from front to back, towards a
+/// knot at the back.
+enum class Flow : std::uint8_t { whorl, parted, back };
 
-/// What makes a style. Lengths in mm.
+/// What makes a style: haircuts.toml says what each is. Lengths in mm.
 struct Style {
   Flow flow;
-  Vec3 pole;               ///< The whorl, a point of the parting, or the knot.
-  int ribbons;             ///< More: denser, and dearer to draw.
-  double width;            ///< Of a ribbon.
-  int strands;             ///< Of a ribbon.
-  int joints;              ///< Pieces along a ribbon.
-  double top, side, nape;  ///< Length on the crown, above the ears, at the nape.
-  double lift;             ///< How high the outermost hair stands above the scalp on the crown.
-  double front;            ///< The same above the forehead.
-  double gravity = 0;      ///< 0: hair keeps to its combing; 1: its last piece hangs straight down.
-  double curl = 0;         ///< Radius of curls; 0 is straight.
-  double turns = 0;        ///< Of a curl along a ribbon.
-  double spacing = 1.5;    ///< Of joints: 1 even, more closer together at the root.
+  Vec3 pole;
+  int ribbons;
+  double width;
+  int strands, joints;
+  double top, side, nape;
+  double lift, front;
+  double gravity;
+  double curl, turns;
+  double spacing;
 };
 
 const Vec3 kHeadCentre(0, 52, 2);
@@ -42,81 +40,29 @@ constexpr double kPartingMm = 8;
 constexpr double kRootMm = 2.5;  // Along which the hairs of a ribbon begin.
 
 Style style_of(HairStyle style) {
-  Style s{.flow = Flow::whorl,
-          .pole = {10, 136, -46},
-          .ribbons = 1700,
-          .width = 5.5,
-          .strands = 12,
-          .joints = 4,
-          .top = 27,
-          .side = 13,
-          .nape = 12,
-          .lift = 9,
-          .front = 13};
-  switch (style) {
-    case HairStyle::none:
-    case HairStyle::crop:
-      break;
-    case HairStyle::swept:
-      s = {.flow = Flow::parted,
-           .pole = {27, 0, 0},
-           .ribbons = 1500,
-           .width = 7,
-           .strands = 14,
-           .joints = 7,
-           .top = 66,
-           .side = 24,
-           .nape = 20,
-           .lift = 13,
-           .front = 20,
-           .gravity = 0.12};
-      break;
-    case HairStyle::bob:
-      s = {.flow = Flow::parted,
-           .pole = {8, 0, 0},
-           .ribbons = 1300,
-           .width = 9,
-           .strands = 18,
-           .joints = 10,
-           .top = 190,
-           .side = 125,
-           .nape = 80,
-           .lift = 12,
-           .front = 12,
-           .gravity = 0.9};
-      break;
-    case HairStyle::curls:
-      s = {.flow = Flow::whorl,
-           .pole = {6, 138, -30},
-           .ribbons = 760,
-           .width = 5,
-           .strands = 8,
-           .joints = 17,
-           .top = 80,
-           .side = 42,
-           .nape = 40,
-           .lift = 26,
-           .front = 24,
-           .gravity = 0.35,
-           .curl = 4.5,
-           .turns = 2.4,
-           .spacing = 1.1};
-      break;
-    case HairStyle::tied:
-      s = {.flow = Flow::back,
-           .pole = {0, 70, -98},
-           .ribbons = 1300,
-           .width = 8,
-           .strands = 18,
-           .joints = 8,
-           .top = 170,
-           .side = 130,
-           .nape = 85,
-           .lift = 6,
-           .front = 7};
-      break;
-  }
-  return s;
+  const toml::table file = parse_toml(kHaircutsToml, "haircuts.toml").value();
+  const auto cut = file[kHairStyleNames[static_cast<std::size_t>(style)]];
+  const auto number = [&cut](std::string_view key, double otherwise = 0) {
+    return cut[key].value_or(otherwise);
+  };
+  constexpr std::string_view kFlows[] = {"whorl", "parted", "back"};
+  const auto flow = std::ranges::find(kFlows, cut["flow"].value_or(std::string_view())) - kFlows;
+  const auto pole = cut["pole"];
+  return {.flow = static_cast<Flow>(flow),
+          .pole = {pole[0].value_or(0.0), pole[1].value_or(0.0), pole[2].value_or(0.0)},
+          .ribbons = cut["ribbons"].value_or(0),
+          .width = number("width"),
+          .strands = cut["strands"].value_or(0),
+          .joints = cut["joints"].value_or(0),
+          .top = number("top"),
+          .side = number("side"),
+          .nape = number("nape"),
+          .lift = number("lift"),
+          .front = number("front"),
+          .gravity = number("gravity"),
+          .curl = number("curl"),
+          .turns = number("turns"),
+          .spacing = number("spacing", 1.5)};
 }
 
 /// The head that hair lies on: with ears, which head_distance leaves out.

@@ -15,9 +15,6 @@ double smooth_bump(const Vec3& p, const Vec3& centre, const Vec3& inverse_radius
   const double q = (p - centre).cwiseProduct(inverse_radius).squaredNorm();
   return q < 1 ? (1 - q) * (1 - q) : 0;
 }
-Vec3 flip(const Vec3& p) {
-  return {-p.x(), p.y(), p.z()};
-}
 Vec3 inverse(double x, double y, double z) {
   return {1 / x, 1 / y, 1 / z};
 }

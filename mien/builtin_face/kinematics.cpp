@@ -1,162 +1,50 @@
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <string_view>
 
 #include "mien/builtin_face/anatomy.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/builtin_face/expression.h"
+#include "mien/core/toml.h"
 #include "mien/face/profile.h"
 
 namespace mien::builtin_face {
+
+extern const std::string_view kSkinChangesToml;  // skin_changes.toml.
+
 namespace {
 
-/// What real skin does under a sensor at weight 1, by shape without side, as measured on the ICT model and
-/// rounded (docs/method/builtin_face.md has the source): how the patch turns, and how it is stretched before
-/// it turns. Skin at a site that a shape does not name does neither. A site with a side belongs to it alone;
-/// one without stands for the left, and for the right as its mirror image where the shape has no side.
+/// What a shape at weight 1 does to the skin at a site: skin_changes.toml.
 struct SkinChange {
-  std::string_view shape, site;
   Vec3 turn_deg;         ///< Rotation vector, frame H.
   Vec3 stretch_percent;  ///< Across the face, up, and the shear between them, in the skin's plane.
-  double reach_mm = 17;  ///< How far what is added reaches.
-  double swell_mm =
-      0;  ///< Pivot this far below the skin's own middle, so that the turned skin swells outward.
-};
-const SkinChange kSkin[] = {
-    {"browDown", "frontalis", {1, -4.5, -7}, {-10, 14, 6}},
-    {"browDown", "orbicularis", {1, 0, 0}, {0, 0, -2}, 14},
-    {"browInnerUp", "frontalis", {-0.5, 1.5, -4.5}, {0, -8, -4}},
-    {"browOuterUp", "frontalis", {6, 1.5, 2.5}, {8, -28, 4}},
-    {"browOuterUp", "orbicularis", {2, -1, 0.5}, {-2, 6, 0}, 14},
-    {"cheekPuff", "zygomaticus_upper", {-12, -2, 5.5}, {0, -4, 0}, 15},
-    {"cheekPuff", "zygomaticus_lower", {-11.5, -2, 4}, {20, 10, 10}},
-    {"cheekPuff", "buccinator", {0, -4, -1}, {28, 8, 2}, 14},
-    {"cheekPuff", "orbicularis", {-3.5, -0.5, 0.5}, {-2, -10, 4}, 14},
-    {"cheekPuff", "mentalis", {-0.5, -1.5, 2}, {0, 0, 4}, 14},
-    {"cheekSquint", "zygomaticus_lower", {7, -7.5, 3}, {-6, 4, 2}, 20, 5},
-    {"cheekSquint", "zygomaticus_upper", {-3, -1, 6.5}, {-4, 0, 2}, 14},
-    {"cheekSquint", "buccinator", {2, -4.5, 2}, {-6, 6, 10}, 14},
-    {"cheekSquint", "orbicularis", {-2.5, -1, 1}, {-6, -24, 10}, 14},
-    {"cheekSquint", "mentalis", {-0.5, -0.5, 0}, {0, 0, 0}, 14},
-    {"eyeBlink", "orbicularis", {1, 1.5, -1}, {0, 0, 0}},
-    {"eyeLookDown", "orbicularis", {-1, -2.5, 2.5}, {-2, 0, 2}},
-    {"eyeLookDown", "zygomaticus_upper", {-0.5, 0, 0}, {0, 0, 0}, 14},
-    {"eyeLookIn", "orbicularis", {3, 1, 0}, {8, -2, -2}},
-    {"eyeLookIn", "zygomaticus_upper", {0.5, 0, 0.5}, {0, 0, 0}, 14},
-    {"eyeLookOut", "orbicularis", {-3.5, -2, 1}, {-8, 2, 0}},
-    {"eyeLookUp", "orbicularis", {-0.5, 1, -1.5}, {0, 2, -2}},
-    {"eyeSquint", "orbicularis", {0, -1, -4.5}, {4, -12, 2}},
-    {"eyeSquint", "zygomaticus_upper", {1, -0.5, 2}, {2, 6, -4}, 14},
-    {"eyeSquint", "zygomaticus_lower", {0, -0.5, 1}, {-2, 2, 0}, 14},
-    {"eyeSquint", "buccinator", {0.5, -0.5, 0.5}, {0, 2, 0}, 14},
-    {"eyeWide", "orbicularis", {0, 0, -0.5}, {0, 2, 0}},
-    {"jawForward", "buccinator", {-9.5, 0, 6.5}, {8, 2, 4}},
-    {"jawForward", "zygomaticus_lower", {-7.5, 0, 3.5}, {0, 2, 2}, 15},
-    {"jawForward", "zygomaticus_upper", {0.5, -0.5, -0.5}, {0, 0, 2}, 14},
-    {"jawForward", "orbicularis", {0, 0, -0.5}, {0, 0, 0}, 14},
-    {"jawForward", "mentalis", {0, 0, 0}, {4, 0, 0}, 14},
-    {"jawLeft", "buccinator_L", {-3, 2, 8.5}, {-4, -2, -4}},
-    {"jawLeft", "buccinator_R", {1.5, 2.5, 6}, {4, 0, -4}},
-    {"jawLeft", "zygomaticus_lower_L", {-1.5, 2.5, 4}, {0, -2, -4}, 14},
-    {"jawLeft", "zygomaticus_lower_R", {1, 1, 3.5}, {0, 2, -4}, 14},
-    {"jawLeft", "mentalis", {0, 1, 0}, {0, 0, 0}, 14},
-    {"jawLeft", "zygomaticus_upper_R", {0.5, 0, 1}, {-2, 0, -2}, 14},
-    {"jawLeft", "zygomaticus_upper_L", {0.5, 0, 0.5}, {0, 0, -2}, 14},
-    {"jawLeft", "orbicularis_R", {0, 0, 0.5}, {0, 0, 0}, 14},
-    {"jawOpen", "zygomaticus_lower", {14.5, 8, -6}, {-6, 28, -2}, 20},
-    {"jawOpen", "buccinator", {15.5, -1.5, 2.5}, {-4, 24, 8}, 16},
-    {"jawOpen", "zygomaticus_upper", {5.5, -0.5, -3.5}, {0, 10, -2}, 15},
-    {"jawOpen", "mentalis", {5.5, 0, 0}, {10, -14, 0}, 15},
-    {"jawOpen", "orbicularis", {0.5, 0, -1}, {0, 8, -2}, 14},
-    {"mouthClose", "buccinator", {-18.5, 11, -3}, {24, -22, -18}},
-    {"mouthClose", "zygomaticus_lower", {-17, -1, 9.5}, {4, -26, 4}, 16},
-    {"mouthClose", "mentalis", {3.5, 0, 0}, {0, 42, 0}, 15},
-    {"mouthDimple", "buccinator", {5.5, -25.5, -16.5}, {-6, -10, -4}},
-    {"mouthDimple", "zygomaticus_lower", {19, -20.5, -6.5}, {-22, -2, -8}, 15},
-    {"mouthDimple", "zygomaticus_upper", {-11.5, 2, 3.5}, {2, -4, 0}, 14},
-    {"mouthDimple", "mentalis", {-6.5, 0, 1}, {6, -2, 2}, 14},
-    {"mouthFrown", "buccinator", {-0.5, -8.5, 8.5}, {-4, 0, 10}},
-    {"mouthFrown", "zygomaticus_lower", {5.5, -7.5, 3.5}, {-12, 14, 0}, 14},
-    {"mouthFrown", "mentalis", {0.5, -1.5, 0.5}, {0, 0, 2}, 14},
-    {"mouthFrown", "zygomaticus_upper", {1.5, -0.5, -1}, {0, 4, 2}, 14},
-    {"mouthFrown", "orbicularis", {-0.5, -0.5, -0.5}, {0, 2, 0}, 14},
-    {"mouthFunnel", "zygomaticus_lower", {-3, 5.5, -2.5}, {6, 0, 12}},
-    {"mouthFunnel", "buccinator", {-4, 5, 1.5}, {12, -4, -2}, 14},
-    {"mouthFunnel", "zygomaticus_upper", {-2.5, 1, -0.5}, {0, -2, 0}, 14},
-    {"mouthFunnel", "orbicularis", {-0.5, 0, -0.5}, {0, -2, 0}, 14},
-    {"mouthFunnel", "mentalis", {-0.5, 0, 0}, {10, -6, 0}, 14},
-    {"mouthLeft", "zygomaticus_lower_L", {18.5, -16.5, -2.5}, {-16, -12, -14}},
-    {"mouthLeft", "mentalis", {-9, 8, -5.5}, {-4, 6, 12}, 15},
-    {"mouthLeft", "zygomaticus_upper_L", {-8.5, 1, 5.5}, {0, -8, -2}, 14},
-    {"mouthLeft", "buccinator_L", {-1, -8, -4}, {-20, 8, -6}, 15},
-    {"mouthLeft", "zygomaticus_lower_R", {-4, 1.5, 6.5}, {18, 10, -20}, 15},
-    {"mouthLeft", "zygomaticus_upper_R", {-7, 0.5, 3.5}, {-2, 2, -10}, 14},
-    {"mouthLeft", "buccinator_R", {1.5, 5.5, 1.5}, {36, 6, -2}, 15},
-    {"mouthLeft", "orbicularis_R", {-3.5, 0.5, 2}, {-6, 2, -4}, 14},
-    {"mouthLeft", "orbicularis_L", {-1.5, -0.5, 1}, {-2, -4, 2}, 14},
-    {"mouthLowerDown", "mentalis", {1, 2.5, -3}, {6, -4, -6}},
-    {"mouthLowerDown", "buccinator", {0, 0, 2}, {0, 2, 0}, 14},
-    {"mouthPress", "mentalis", {-2.5, -1.5, 4}, {0, 0, 8}, 14},
-    {"mouthPress", "buccinator", {-0.5, -2.5, -4}, {-4, -6, -2}},
-    {"mouthPress", "zygomaticus_lower", {3, 0, 0}, {4, 0, 2}, 14},
-    {"mouthPress", "zygomaticus_upper", {-2.5, 1, 1}, {0, -2, 0}, 14},
-    {"mouthPress", "orbicularis", {-0.5, 0.5, 1}, {0, -4, -2}, 14},
-    {"mouthPucker", "zygomaticus_lower", {-4.5, 7, -3.5}, {12, -4, 12}},
-    {"mouthPucker", "buccinator", {-2, 5.5, -2.5}, {14, -8, -2}, 14},
-    {"mouthPucker", "zygomaticus_upper", {-3, 0, 0}, {0, -2, 2}, 14},
-    {"mouthPucker", "mentalis", {-2.5, 0, 0}, {-2, 2, 0}, 14},
-    {"mouthPucker", "orbicularis", {-0.5, 0, -0.5}, {0, 0, 0}, 14},
-    {"mouthRollLower", "buccinator", {-2, 2.5, 0}, {2, -8, -2}},
-    {"mouthRollLower", "mentalis", {2.5, 0, 0}, {-2, 26, 0}, 14},
-    {"mouthRollUpper", "zygomaticus_lower", {7.5, -2.5, 2}, {4, 28, 0}},
-    {"mouthRollUpper", "buccinator", {-2.5, 0.5, -5.5}, {2, -12, 4}, 14},
-    {"mouthRollUpper", "zygomaticus_upper", {-0.5, 0, 1}, {0, -2, 0}, 14},
-    {"mouthShrugLower", "mentalis", {-12, 0, 0}, {-4, 12, 0}},
-    {"mouthShrugLower", "buccinator", {-2, 3.5, -1}, {2, -6, 0}, 14},
-    {"mouthShrugLower", "zygomaticus_lower", {-1.5, 0, 1}, {0, -2, 0}, 14},
-    {"mouthSmile", "zygomaticus_lower", {24, -22, -5.5}, {-8, -20, -18}, 20, 5},
-    {"mouthSmile", "buccinator", {-1, -11.5, -10.5}, {-20, -2, 0}, 15},
-    {"mouthSmile", "zygomaticus_upper", {-8, -2, 8.5}, {4, -4, -4}, 14},
-    {"mouthSmile", "orbicularis", {-8, 0.5, 7.5}, {2, -16, 0}, 14},
-    {"mouthSmile", "mentalis", {-3, -1, 3}, {4, 2, 6}, 14},
-    {"mouthStretch", "buccinator", {6, -17, 1.5}, {-18, -2, 8}},
-    {"mouthStretch", "zygomaticus_lower", {10, -10.5, 5}, {-14, 12, -6}, 14},
-    {"mouthStretch", "zygomaticus_upper", {-2.5, 0, 2}, {0, -2, 0}, 14},
-    {"mouthStretch", "mentalis", {-1, 0, 1}, {2, 6, 2}, 14},
-    {"mouthStretch", "orbicularis", {-0.5, 0, 0.5}, {0, -2, 0}, 14},
-    {"mouthUpperUp", "zygomaticus_lower", {6.5, -24.5, -13.5}, {-18, -6, -12}, 20, 5},
-    {"mouthUpperUp", "zygomaticus_upper", {-10, 3.5, 2.5}, {0, -10, -2}, 14},
-    {"mouthUpperUp", "buccinator", {-2.5, -3.5, -3}, {-6, 8, -4}, 14},
-    {"mouthUpperUp", "orbicularis", {-2.5, 0.5, 1}, {0, -8, 0}, 14},
-    {"noseSneer", "zygomaticus_lower", {4, -13, -5.5}, {-12, 6, -12}, 20, 4},
-    {"noseSneer", "zygomaticus_upper", {-12.5, 1.5, -3.5}, {4, -16, 2}, 14},
-    {"noseSneer", "orbicularis", {-8.5, 1, 1.5}, {-2, -22, 6}, 14},
-    {"noseSneer", "buccinator", {-3, -3, 0.5}, {-8, 14, -4}, 14},
-    {"noseSneer", "frontalis", {2, -1, -0.5}, {-2, 6, 2}, 14},
-    {"noseSneer", "mentalis", {-0.5, 0, 0.5}, {0, 0, 0}, 14},
+  double reach_mm;       ///< How far what is added reaches.
+  double swell_mm;  ///< Pivot this far below the skin's own middle, so that the turned skin swells outward.
 };
 
 /// What `shape` (without side; its left one, if it has sides) does to the skin at this site.
 SkinChange change_wanted(std::string_view shape, std::string_view site, bool one_sided) {
-  const bool right = site.ends_with("_R");
-  for (const SkinChange& change : kSkin) {
-    if (change.shape != shape) continue;
-    if (change.site == site) return change;
-    if (!site.starts_with(change.site) || site.size() != change.site.size() + 2) continue;
-    if (!right) return change;
-    if (one_sided) continue;
-    SkinChange mirrored = change;  // In the mirror a turn about x keeps its sign, about y and z it changes.
-    mirrored.turn_deg.y() *= -1;
-    mirrored.turn_deg.z() *= -1;
-    mirrored.stretch_percent.z() *= -1;
-    return mirrored;
+  static const toml::table shapes = parse_toml(kSkinChangesToml, "skin_changes.toml").value();
+  auto row = shapes[shape][site];
+  bool is_mirrored = false;
+  if (!row && (site.ends_with("_L") || (site.ends_with("_R") && !one_sided))) {
+    row = shapes[shape][site.substr(0, site.size() - 2)];
+    is_mirrored = row && site.ends_with("_R");
   }
-  return {.shape = shape,
-          .site = site,
-          .turn_deg = Vec3::Zero(),
-          .stretch_percent = Vec3::Zero(),
-          .reach_mm = 14};
+  const auto vector = [&row](std::string_view key) {
+    return Vec3(row[key][0].value_or(0.0), row[key][1].value_or(0.0), row[key][2].value_or(0.0));
+  };
+  SkinChange change{.turn_deg = vector("turn_deg"),
+                    .stretch_percent = vector("stretch_percent"),
+                    .reach_mm = row["reach_mm"].value_or(row ? 17.0 : 14.0),
+                    .swell_mm = row["swell_mm"].value_or(0.0)};
+  if (is_mirrored) {
+    // In the mirror a turn about x keeps its sign, about y and z it changes.
+    change.turn_deg.y() *= -1;
+    change.turn_deg.z() *= -1;
+    change.stretch_percent.z() *= -1;
+  }
+  return change;
 }
 
 using Tangents = Eigen::Matrix<double, 3, 2>;

@@ -1,4 +1,4 @@
-#include "mien/builtin_face/landmarks.h"
+#include "mien/builtin_face/mesh.h"
 
 #include <cmath>
 #include <limits>

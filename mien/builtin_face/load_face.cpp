@@ -1,9 +1,11 @@
 #include "mien/builtin_face/load_face.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/builtin_face/person.h"
+#include "mien/core/ascii.h"
 #include "mien/face/gltf_import.h"
 #include "mien/face/ict_import.h"
 
@@ -27,7 +29,7 @@ Result<face::Face> load_face(const std::string& what, const Progress& progress) 
     return fail(ErrorCode::not_found, "there is no such face", what,
                 "name 'builtin', a folder or a .glb, .gltf or .vrm file");
   std::string ending = path.extension().string();
-  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  std::ranges::transform(ending, ending.begin(), ascii_lower);
   if (ending == ".glb" || ending == ".gltf" || ending == ".vrm") {
     MIEN_TRY_ASSIGN(face::GltfHead head, face::import_gltf(path));
     return std::move(head.face);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mien/builtin_face/albedo.h"
+#include "mien/builtin_face/anatomy.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/core/rotation.h"
 #include "mien/face/face.h"
@@ -44,6 +45,12 @@ struct SculptVertex {
   /// of ears and eyeballs distance from the chart's middle, 0 to 1, and direction (rad).
   Eigen::Vector2d chart = Eigen::Vector2d::Zero();
 };
+
+/// Lips, the mouth's lining, and the skin beside the lips.
+[[nodiscard]] inline bool may_touch_teeth(const SculptVertex& v) {
+  const bool beside_lips = v.tissue == Tissue::skin && v.p.z() > 85 && std::abs(v.p.y() - kMouthCornerY) < 17;
+  return v.tissue == Tissue::lip || v.tissue == Tissue::mouth || beside_lips;
+}
 
 /// Groups of triangles, in the order in which Face::parts has them.
 enum class Piece : std::uint8_t {
@@ -145,6 +152,12 @@ void add_eyeballs(Sculpt& whole);
 
 /// The default head, sculpted once; vertices are numbered as those of every built-in face without hair.
 [[nodiscard]] const Sculpt& default_sculpt();
+
+/// Multi-PIE's 68 on the sculpted head: each the vertex nearest to its place, the right ones mirrored.
+[[nodiscard]] std::array<std::uint32_t, 68> find_landmarks(const Sculpt& s);
+
+/// The regions of Face::regions, by place and tissue.
+[[nodiscard]] std::vector<face::Region> find_regions(const Sculpt& s);
 
 /// How far brows of this fullness (BuiltinParameters) reach above and below their middle; 1 the default's.
 [[nodiscard]] inline double brow_spread(double brow_fullness) {

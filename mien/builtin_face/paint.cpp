@@ -91,8 +91,8 @@ std::vector<Vec3f> paint(const Sculpt& whole, const BuiltinParameters& parameter
         } else if (band == 1) {
           colour = blend(a.iris * 1.5F, a.iris * 0.35F, smoothstep(0.45, 1.0, t));
         } else {
-          const Vec3 centre(p.x() > 0 ? kEyeCentre.x() : -kEyeCentre.x(), kEyeCentre.y(), kEyeCentre.z());
-          colour = blend(a.sclera, a.sclera_corner, smoothstep(9.5, 13.0, std::abs(p.x() - centre.x())));
+          const double centre_x = p.x() > 0 ? kEyeCentre.x() : -kEyeCentre.x();
+          colour = blend(a.sclera, a.sclera_corner, smoothstep(9.5, 13.0, std::abs(p.x() - centre_x)));
         }
         break;
       }

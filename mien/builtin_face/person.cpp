@@ -11,13 +11,15 @@
 
 #include "mien/builtin_face/held.h"
 #include "mien/core/nearest_word.h"
+#include "mien/core/toml.h"
 
 namespace mien::builtin_face {
+
+extern const std::string_view kPerformersToml;  // performers.toml.
+
 namespace {
 
 constexpr std::string_view kFamily = "builtin";
-constexpr std::array<std::string_view, kHairStyleCount> kCuts = {"none", "crop",  "swept",
-                                                                 "bob",  "curls", "tied"};
 
 std::unexpected<Error> unknown(std::string_view kind, std::string_view word,
                                std::span<const std::string> known) {
@@ -30,6 +32,11 @@ template <class Number>
 bool read_whole(std::string_view text, Number& value) {
   const auto [stop, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
   return problem == std::errc() && stop == text.data() + text.size();
+}
+
+/// kHairStyleCount where no cut has that name.
+std::size_t cut_named(std::string_view name) {
+  return static_cast<std::size_t>(std::ranges::find(kHairStyleNames, name) - kHairStyleNames.begin());
 }
 
 bool is_digit(char c) {
@@ -61,11 +68,12 @@ Result<void> set_value(BuiltinParameters& parameters, std::string_view entry) {
   const std::string_view name = entry.substr(0, equals),
                          text = entry.substr(std::min(equals + 1, entry.size()));
   if (name == "hair") {
-    const auto cut = std::ranges::find(kCuts, text);
-    if (cut == kCuts.end())
-      return unknown("cut of hair", text, std::vector<std::string>(kCuts.begin(), kCuts.end()));
-    parameters.hair = static_cast<HairStyle>(cut - kCuts.begin());
-    return {};
+    if (const std::size_t cut = cut_named(text); cut < kHairStyleCount) {
+      parameters.hair = static_cast<HairStyle>(cut);
+      return {};
+    }
+    return unknown("cut of hair", text,
+                   std::vector<std::string>(kHairStyleNames.begin(), kHairStyleNames.end()));
   }
   std::vector<std::string> known = {"hair"};
   for (const ParameterRange& range : parameter_ranges()) {
@@ -106,7 +114,35 @@ Result<Person> read_person(std::string_view what) {
   return person;
 }
 
+NamedPerformer read_performer(std::string_view name, const toml::table& table) {
+  NamedPerformer performer{.name = std::string(name), .description = {}, .parameters = {}};
+  BuiltinParameters& parameters = performer.parameters;
+  for (const auto& [key, value] : table) {
+    const auto range = std::ranges::find(parameter_ranges(), key.str(), &ParameterRange::name);
+    if (range != parameter_ranges().end())
+      parameters.*range->value = value.value<double>().value();
+    else if (key == "asymmetry_seed")
+      parameters.asymmetry_seed = value.value<std::uint64_t>().value();
+    else if (key == "hair")
+      parameters.hair = static_cast<HairStyle>(cut_named(value.value<std::string_view>().value()));
+    else
+      performer.description = value.value<std::string>().value();
+  }
+  return performer;
+}
+
 }  // namespace
+
+std::span<const NamedPerformer> named_performers() {
+  // Of a file that the tests hold to be sound; a table of TOML has its keys by the alphabet.
+  static const std::vector<NamedPerformer> all = [] {
+    const toml::table file = parse_toml(kPerformersToml, "performers.toml").value();
+    std::vector<NamedPerformer> performers;
+    for (const auto& [name, table] : file) performers.push_back(read_performer(name, *table.as_table()));
+    return performers;
+  }();
+  return all;
+}
 
 bool names_person(std::string_view what) {
   if (!what.starts_with(kFamily)) return false;

@@ -12,12 +12,12 @@ namespace mien::builtin_face {
 
 /// A performer of documents and demonstrations: always the same person under this name.
 struct NamedPerformer {
-  std::string_view name;         ///< Lower case.
-  std::string_view description;  ///< A line for people.
+  std::string name;         ///< Lower case.
+  std::string description;  ///< A line for people.
   BuiltinParameters parameters;
 };
 
-/// All of them, by the alphabet.
+/// All of them (performers.toml), by the alphabet.
 [[nodiscard]] std::span<const NamedPerformer> named_performers();
 
 /// Who is meant, and a line for each value that was beyond what people have (builtin_face/held.h).

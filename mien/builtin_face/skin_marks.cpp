@@ -69,4 +69,11 @@ face::SkinMarks skin_marks(const BuiltinParameters& parameters, const face::Face
   return marks;
 }
 
+face::SkinFolds skin_folds(const BuiltinParameters& parameters) {
+  const double age = std::clamp(parameters.age_years, 18.0, 90.0);
+  const double slack = age < 45 ? mix(-0.04, 0.0, (age - 18) / 27) : mix(0.0, 0.07, (age - 45) / 45);
+  return {.depth = static_cast<float>(mix(0.5, 0.85, smoothstep(25, 75, age))),
+          .slack = static_cast<float>(slack)};
+}
+
 }  // namespace mien::builtin_face

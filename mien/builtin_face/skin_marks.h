@@ -10,4 +10,8 @@ namespace mien::builtin_face {
 /// them, none where it is 0; stubble goes by `beard`. How much of them was chosen by eye.
 [[nodiscard]] face::SkinMarks skin_marks(const BuiltinParameters& parameters, const face::Face& face);
 
+/// How a person's skin wrinkles, by age: young skin takes up more before it folds, old skin is folded at
+/// rest. For pictures. Chosen by eye.
+[[nodiscard]] face::SkinFolds skin_folds(const BuiltinParameters& parameters);
+
 }  // namespace mien::builtin_face

@@ -1,4 +1,4 @@
-#include "mien/builtin_face/texture_layout.h"
+#include "mien/builtin_face/builtin_face.h"
 
 #include <algorithm>
 #include <array>

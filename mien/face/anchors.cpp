@@ -4,22 +4,19 @@
 #include <string_view>
 #include <utility>
 
-#include "mien/face/shapes_named.h"
+#include "mien/face/target_names.h"
 
 namespace mien::face {
 namespace {
 
-BlendshapeWeights pose(std::initializer_list<std::pair<std::size_t, float>> parts) {
-  BlendshapeWeights weights;
-  for (const auto& [shape, weight] : parts) weights[shape] = weight;
-  return weights;
-}
+using Names = std::initializer_list<std::string_view>;
 
-/// The shapes of these names in full; a name without a side stands for both.
-BlendshapeWeights whole(std::initializer_list<std::string_view> names) {
+/// The shapes of these names in full, and of `halves` half; a name without a side stands for both.
+BlendshapeWeights whole(Names names, Names halves = {}) {
   BlendshapeWeights weights;
-  for (const std::string_view name : names)
-    for (const std::size_t shape : shapes_named(name)) weights[shape] = 1;
+  for (const auto& [given, weight] : {std::pair(names, 1.0F), std::pair(halves, 0.5F)})
+    for (const std::string_view name : given)
+      for (const std::size_t shape : shapes_named(name)) weights[shape] = weight;
   return weights;
 }
 
@@ -27,28 +24,17 @@ BlendshapeWeights whole(std::initializer_list<std::string_view> names) {
 
 std::span<const Anchor> anchors() {
   static const std::array kAnchors = {
-      Anchor{"smile", "Smile as wide as you can",
-             pose({{shape("mouthSmile_L"), 1}, {shape("mouthSmile_R"), 1}})},
-      Anchor{"brows_up", "Raise your eyebrows",
-             pose({{shape("browInnerUp_L"), 1},
-                   {shape("browInnerUp_R"), 1},
-                   {shape("browOuterUp_L"), 1},
-                   {shape("browOuterUp_R"), 1}})},
-      Anchor{"brows_down", "Frown with your eyebrows",
-             pose({{shape("browDown_L"), 1}, {shape("browDown_R"), 1}})},
-      Anchor{"eyes_shut", "Shut your eyes",
-             pose({{shape("eyeBlink_L"), 1},
-                   {shape("eyeBlink_R"), 1},
-                   {shape("eyeSquint_L"), 0.5F},
-                   {shape("eyeSquint_R"), 0.5F}})},
-      Anchor{"cheek_puff", "Puff your cheeks", pose({{shape("cheekPuff_L"), 1}, {shape("cheekPuff_R"), 1}})},
-      Anchor{"jaw_open", "Open your mouth wide", pose({{shape("jawOpen"), 1}})},
-      Anchor{"pucker", "Pucker your lips, as for a kiss", pose({{shape("mouthPucker"), 1}})},
-      Anchor{"sneer", "Wrinkle your nose", pose({{shape("noseSneer_L"), 1}, {shape("noseSneer_R"), 1}})},
-      Anchor{"frown", "Pull the corners of your mouth down",
-             pose({{shape("mouthFrown_L"), 1}, {shape("mouthFrown_R"), 1}})},
-      Anchor{"mouth_left", "Move your mouth to your left", pose({{shape("mouthLeft"), 1}})},
-      Anchor{"mouth_right", "Move your mouth to your right", pose({{shape("mouthRight"), 1}})},
+      Anchor{"smile", "Smile as wide as you can", whole({"mouthSmile"})},
+      Anchor{"brows_up", "Raise your eyebrows", whole({"browInnerUp", "browOuterUp"})},
+      Anchor{"brows_down", "Frown with your eyebrows", whole({"browDown"})},
+      Anchor{"eyes_shut", "Shut your eyes", whole({"eyeBlink"}, {"eyeSquint"})},
+      Anchor{"cheek_puff", "Puff your cheeks", whole({"cheekPuff"})},
+      Anchor{"jaw_open", "Open your mouth wide", whole({"jawOpen"})},
+      Anchor{"pucker", "Pucker your lips, as for a kiss", whole({"mouthPucker"})},
+      Anchor{"sneer", "Wrinkle your nose", whole({"noseSneer"})},
+      Anchor{"frown", "Pull the corners of your mouth down", whole({"mouthFrown"})},
+      Anchor{"mouth_left", "Move your mouth to your left", whole({"mouthLeft"})},
+      Anchor{"mouth_right", "Move your mouth to your right", whole({"mouthRight"})},
   };
   return kAnchors;
 }

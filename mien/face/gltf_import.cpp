@@ -10,7 +10,6 @@
 #include "mien/face/gltf/assembly.h"
 #include "mien/face/gltf/binding.h"
 #include "mien/face/gltf/container.h"
-#include "mien/face/gltf/finish.h"
 #include "mien/face/gltf/nodes.h"
 
 namespace mien::face {

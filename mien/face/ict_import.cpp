@@ -14,6 +14,7 @@
 #include "mien/core/files.h"
 #include "mien/face/ict_cache.h"
 #include "mien/face/obj.h"
+#include "mien/face/surface_point.h"
 
 namespace mien::face {
 namespace fs = std::filesystem;
@@ -111,19 +112,6 @@ void set_eyes(Face& face) {
     const auto [first, last] = eyeball_range(e);
     face.eyes[e] = {first, last - first + 1, eye_centre(face.neutral_m, e)};
   }
-}
-
-/// Whether (x, y) lies inside a polygon (even-odd rule).
-bool inside_polygon(std::span<const Eigen::Vector2f> polygon, const Eigen::Vector2f& p) {
-  bool inside = false;
-  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-    const auto& a = polygon[i];
-    const auto& b = polygon[j];
-    if ((a.y() > p.y()) != (b.y() > p.y()) &&
-        p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
-      inside = !inside;
-  }
-  return inside;
 }
 
 float distance_to_line(const Vec3f& p, const Vec3f& a, const Vec3f& b) {

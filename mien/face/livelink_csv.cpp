@@ -7,9 +7,11 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <utility>
 
 #include "mien/core/ascii.h"
 #include "mien/core/excerpt.h"
+#include "mien/core/files.h"
 #include "mien/core/median.h"
 
 namespace mien::face {
@@ -414,6 +416,23 @@ Vec3 livelink_from_head(const Quat& q_world_head) {
   // Looking straight up or down, yaw and roll turn about the same axis: all of it is called yaw.
   if (std::abs(r(1, 2)) > 1 - 1e-12) return {-std::atan2(-r(2, 0), r(0, 0)), pitch, 0};
   return {-std::atan2(r(0, 2), r(2, 2)), pitch, std::atan2(r(1, 0), r(1, 1))};
+}
+
+Result<LiveLinkMotion> load_livelink(const std::filesystem::path& path) {
+  // Four hours at 60 frames a second are 700 MB.
+  constexpr std::size_t kMaxMotionBytes = std::size_t{1} << 30U;
+  MIEN_TRY_ASSIGN(const std::string text, read_text(path, kMaxMotionBytes));
+  MIEN_TRY_ASSIGN(const LiveLinkCsv csv, parse_livelink_csv(text, path.string()));
+  LiveLinkMotion loaded = motion_from_livelink(csv, path.stem().string());
+  if (std::ranges::none_of(loaded.motion.frames, &MotionFrame::has_face))
+    return fail(ErrorCode::not_found, "the face is lost in every row", path.string());
+  return loaded;
+}
+
+Result<Motion> load_motion(const std::filesystem::path& path, std::vector<std::string>* warnings) {
+  MIEN_TRY_ASSIGN(LiveLinkMotion loaded, load_livelink(path));
+  if (warnings != nullptr) *warnings = std::move(loaded.warnings);
+  return std::move(loaded.motion);
 }
 
 }  // namespace mien::face

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -98,5 +99,12 @@ struct LiveLinkMotion {
 [[nodiscard]] Quat head_from_livelink(const Vec3& yaw_pitch_roll_rad);
 /// The inverse: yaw and roll in [-pi, pi], pitch in [-pi/2, pi/2].
 [[nodiscard]] Vec3 livelink_from_head(const Quat& q_world_head);
+
+/// The performance in a Live Link Face CSV, named after its file. Errors: not_found, io, and those of
+/// parse_livelink_csv.
+[[nodiscard]] Result<LiveLinkMotion> load_livelink(const std::filesystem::path& path);
+/// Its motion alone. `warnings`, where given, tells what was survived. Errors: the same.
+[[nodiscard]] Result<Motion> load_motion(const std::filesystem::path& path,
+                                         std::vector<std::string>* warnings = nullptr);
 
 }  // namespace mien::face

@@ -6,10 +6,14 @@
 #include <utility>
 
 #include "mien/core/smoothstep.h"
+#include "mien/core/toml.h"
 #include "mien/face/profile_map.h"
 #include "mien/face/target_names.h"
 
 namespace mien::face {
+
+extern const std::string_view kUnifiedTargetsToml;  // unified_targets.toml.
+
 namespace {
 
 enum class Side : std::uint8_t { both, left, right };
@@ -17,84 +21,41 @@ enum class Lip : std::uint8_t { both, upper, lower };
 
 /// A target of Unified Expressions: a share of a portion of one shape.
 struct Portion {
-  std::string_view name;
-  float share = 1;
-  Side side = Side::both;
-  Lip lip = Lip::both;
-  std::string_view shape = {};  ///< Of lids and gaze; all others' is in the profile's table.
+  std::string name;
+  std::size_t shape;  ///< As in Face::shapes.
+  float share;
+  Side side;
+  Lip lip;
 };
 
-/// In the order of Unified Expressions' own reference: eyes, brows, cheeks, jaw, lips, mouth, tongue.
-constexpr Portion kUnified[] = {
-    {.name = "EyeLookOutRight", .shape = "eyeLookOut_R"},
-    {.name = "EyeLookInRight", .shape = "eyeLookIn_R"},
-    {.name = "EyeLookUpRight", .shape = "eyeLookUp_R"},
-    {.name = "EyeLookDownRight", .shape = "eyeLookDown_R"},
-    {.name = "EyeLookOutLeft", .shape = "eyeLookOut_L"},
-    {.name = "EyeLookInLeft", .shape = "eyeLookIn_L"},
-    {.name = "EyeLookUpLeft", .shape = "eyeLookUp_L"},
-    {.name = "EyeLookDownLeft", .shape = "eyeLookDown_L"},
-    {.name = "EyeClosedRight", .shape = "eyeBlink_R"},
-    {.name = "EyeClosedLeft", .shape = "eyeBlink_L"},
-    {"EyeSquintRight"},
-    {"EyeSquintLeft"},
-    {"EyeWideRight"},
-    {"EyeWideLeft"},
-    {"BrowPinchRight", 0.25F},
-    {"BrowPinchLeft", 0.25F},
-    {"BrowLowererRight", 0.75F},
-    {"BrowLowererLeft", 0.75F},
-    {"BrowInnerUpRight"},
-    {"BrowInnerUpLeft"},
-    {"BrowOuterUpRight"},
-    {"BrowOuterUpLeft"},
-    {"CheekSquintRight"},
-    {"CheekSquintLeft"},
-    {"CheekPuffRight"},
-    {"CheekPuffLeft"},
-    {"JawOpen"},
-    {"JawRight"},
-    {"JawLeft"},
-    {"JawForward"},
-    {"MouthClosed"},
-    {"LipSuckUpperRight", 1, Side::right},
-    {"LipSuckUpperLeft", 1, Side::left},
-    {"LipSuckLowerRight", 1, Side::right},
-    {"LipSuckLowerLeft", 1, Side::left},
-    {"LipFunnelUpperRight", 1, Side::right, Lip::upper},
-    {"LipFunnelUpperLeft", 1, Side::left, Lip::upper},
-    {"LipFunnelLowerRight", 1, Side::right, Lip::lower},
-    {"LipFunnelLowerLeft", 1, Side::left, Lip::lower},
-    {"LipPuckerUpperRight", 1, Side::right, Lip::upper},
-    {"LipPuckerUpperLeft", 1, Side::left, Lip::upper},
-    {"LipPuckerLowerRight", 1, Side::right, Lip::lower},
-    {"LipPuckerLowerLeft", 1, Side::left, Lip::lower},
-    {"MouthUpperUpRight"},
-    {"MouthUpperUpLeft"},
-    {"NoseSneerRight"},
-    {"NoseSneerLeft"},
-    {"MouthLowerDownRight"},
-    {"MouthLowerDownLeft"},
-    {"MouthUpperRight", 1, Side::both, Lip::upper},
-    {"MouthUpperLeft", 1, Side::both, Lip::upper},
-    {"MouthLowerRight", 1, Side::both, Lip::lower},
-    {"MouthLowerLeft", 1, Side::both, Lip::lower},
-    {"MouthCornerPullRight", 0.8F},
-    {"MouthCornerPullLeft", 0.8F},
-    {"MouthCornerSlantRight", 0.2F},
-    {"MouthCornerSlantLeft", 0.2F},
-    {"MouthFrownRight"},
-    {"MouthFrownLeft"},
-    {"MouthStretchRight"},
-    {"MouthStretchLeft"},
-    {"MouthDimpleRight"},
-    {"MouthDimpleLeft"},
-    {"MouthRaiserUpper"},
-    {"MouthRaiserLower"},
-    {"MouthPressRight"},
-    {"MouthPressLeft"},
-    {"TongueOut"},
-};
+Portion read_portion(const toml::table& row) {
+  const auto word = [&row](std::string_view key) { return row[key].value_or(std::string_view()); };
+  Portion portion{.name = std::string(word("name")),
+                  .shape = inner_index(word("shape")),
+                  .share = static_cast<float>(row["share"].value_or(1.0)),
+                  .side = word("side") == "left"    ? Side::left
+                          : word("side") == "right" ? Side::right
+                                                    : Side::both,
+                  .lip = word("lip") == "upper"   ? Lip::upper
+                         : word("lip") == "lower" ? Lip::lower
+                                                  : Lip::both};
+  if (row.contains("shape")) return portion;
+  const auto at = std::ranges::find(kUnifiedNames, portion.name) - kUnifiedNames.begin();
+  portion.shape = profile_map(OutsideProfile::unified).outward[static_cast<std::size_t>(at)].front().column;
+  return portion;
+}
+
+/// In their order. Of a file that the tests hold to be sound.
+const std::vector<Portion>& unified_portions() {
+  static const std::vector<Portion> all = [] {
+    const toml::table file = parse_toml(kUnifiedTargetsToml, "unified_targets.toml").value();
+    std::vector<Portion> portions;
+    for (const toml::node& row : *file["target"].as_array())
+      portions.push_back(read_portion(*row.as_table()));
+    return portions;
+  }();
+  return all;
+}
 
 constexpr float kMidlineHalfWidth_m = 0.008F;
 /// Displacement by jawOpen, of its largest, from which skin begins to be the lower lip's, and is it wholly.
@@ -132,13 +93,6 @@ class Portions {
   float middle_x_m_ = 0;  // Between the eyes, where they are known.
   std::vector<float> lower_;
 };
-
-/// Index as in Face::shapes of the shape that it is a portion of.
-std::size_t shape_of(const Portion& portion) {
-  if (!portion.shape.empty()) return inner_index(portion.shape);
-  const auto at = std::ranges::find(kUnifiedNames, portion.name) - kUnifiedNames.begin();
-  return profile_map(OutsideProfile::unified).outward[static_cast<std::size_t>(at)].front().column;
-}
 
 /// None where the face lacks it.
 const Shape* shape_at(const Face& face, std::size_t k) {
@@ -181,12 +135,11 @@ std::vector<MorphTarget> arkit_targets(const Face& face) {
 std::vector<MorphTarget> unified_targets(const Face& face) {
   const Portions portions(face);
   std::vector<MorphTarget> out;
-  for (const Portion& portion : kUnified) {
-    const std::size_t k = shape_of(portion);
+  for (const Portion& portion : unified_portions()) {
     MorphTarget& target = out.emplace_back();
     target.name = portion.name;
-    target.shapes = {k};
-    const Shape* const shape = shape_at(face, k);
+    target.shapes = {portion.shape};
+    const Shape* const shape = shape_at(face, portion.shape);
     if (shape == nullptr) continue;
     for (std::size_t i = 0; i < shape->vertex.size(); ++i) {
       const float share = portions.of(portion, shape->vertex[i]);

@@ -253,45 +253,36 @@ class ConstraintsReader {
   std::string where_;
 };
 
-/// The rules of one use, and their lines.
-struct ToldSet {
+/// The rules of one use.
+RuleSet rules_of(const ConstraintsReader& file, bool Uses::*use) {
   RuleSet rules;
-  std::vector<std::uint32_t> exclusive, together, conditions;
+  const auto take = [use](const auto& told, auto& taken) {
+    for (const auto& one : told)
+      if (one.uses.*use) taken.push_back(one.rule);
+  };
+  take(file.exclusive, rules.exclusive);
+  take(file.together, rules.together);
+  take(file.conditions, rules.conditions);
+  return rules;
+}
 
-  ToldSet(const ConstraintsReader& file, bool Uses::*use) {
-    take(file.exclusive, use, rules.exclusive, exclusive);
-    take(file.together, use, rules.together, together);
-    take(file.conditions, use, rules.conditions, conditions);
-  }
-
-  /// The line of a rule that is broken; 0: none is.
-  [[nodiscard]] std::uint32_t broken(const BlendshapeWeights& w) const {
-    std::uint32_t line = first_broken(rules.exclusive, exclusive, w);
-    if (line == 0) line = first_broken(rules.together, together, w);
-    return line == 0 ? first_broken(rules.conditions, conditions, w) : line;
-  }
-
- private:
-  template <class Rule>
-  static void take(const std::vector<Told<Rule>>& told, bool Uses::*use, std::vector<Rule>& taken,
-                   std::vector<std::uint32_t>& lines) {
-    for (const Told<Rule>& one : told)
-      if (one.uses.*use) {
-        taken.push_back(one.rule);
-        lines.push_back(one.line);
-      }
-  }
-  template <class Rule>
-  static std::uint32_t first_broken(const std::vector<Rule>& rules, const std::vector<std::uint32_t>& lines,
-                                    const BlendshapeWeights& w) {
-    for (std::size_t i = 0; i < rules.size(); ++i)
-      if (!rules[i].obeyed(w)) return lines[i];
-    return 0;
-  }
-};
+/// The line of the first of these rules that is broken; 0: none is.
+std::uint32_t broken_line(const ConstraintsReader& file, bool Uses::*use, const BlendshapeWeights& w) {
+  std::uint32_t line = 0;
+  const auto look = [&](const auto& told) {
+    const auto found =
+        std::ranges::find_if(told, [&](const auto& one) { return one.uses.*use && !one.rule.obeyed(w); });
+    if (line == 0 && found != told.end()) line = found->line;
+  };
+  look(file.exclusive);
+  look(file.together);
+  look(file.conditions);
+  return line;
+}
 
 /// Errors: malformed (a face does not settle).
-Result<void> try_faces(const ToldSet& set, const std::string& where) {
+Result<void> try_faces(const ConstraintsReader& file, bool Uses::*use, const std::string& where) {
+  const RuleSet rules = rules_of(file, use);
   Random random(kSeed);
   for (int face = 0; face < kRandomFaces; ++face) {
     BlendshapeWeights weights;
@@ -299,11 +290,11 @@ Result<void> try_faces(const ToldSet& set, const std::string& where) {
     const double at_ends = face % 2 == 0 ? 0 : 0.5;
     for (float& w : weights.values)
       w = random.chance(at_ends) ? static_cast<float>(random.below(2)) : static_cast<float>(random.uniform());
-    if (set.rules.settles(weights)) continue;
+    if (rules.settles(weights)) continue;
     return fail(ErrorCode::malformed,
                 fmt::format("this rule fights with others: after {} passes over all it is still broken",
                             RuleSet::kPasses),
-                fmt::format("{}, line {}", where, set.broken(weights)),
+                fmt::format("{}, line {}", where, broken_line(file, use, weights)),
                 "widen it, or take out what asks for the opposite");
   }
   return {};
@@ -319,13 +310,12 @@ Result<RigConstraints> RigConstraints::parse(std::string_view toml, const std::s
   ConstraintsReader reader(where);
   MIEN_TRY(reader.read(file));
   MIEN_TRY(reader.sort_conditions());
-  const ToldSet live(reader, &Uses::live), always(reader, &Uses::always), solve(reader, &Uses::solve);
-  MIEN_TRY(try_faces(live, where));
-  MIEN_TRY(try_faces(always, where));
+  MIEN_TRY(try_faces(reader, &Uses::live, where));
+  MIEN_TRY(try_faces(reader, &Uses::always, where));
   RigConstraints out;
-  out.live_ = live.rules;
-  out.always_ = always.rules;
-  out.solve_ = solve.rules;
+  out.live_ = rules_of(reader, &Uses::live);
+  out.always_ = rules_of(reader, &Uses::always);
+  out.solve_ = rules_of(reader, &Uses::solve);
   if (toml.starts_with("\xEF\xBB\xBF")) toml.remove_prefix(3);  // A byte order mark.
   out.text_ = toml;
   for (char& c : out.text_)

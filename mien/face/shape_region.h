@@ -18,6 +18,9 @@ enum class ShapeRegion : std::uint8_t {
   jaw,
 };
 inline constexpr std::size_t kShapeRegionCount = 5;
+/// As files and messages name them, in that order.
+inline constexpr std::array<std::string_view, kShapeRegionCount> kShapeRegionNames = {
+    "brows", "eyes", "cheeks", "mouth", "jaw"};
 
 namespace detail {
 /// ICT's names begin with the region.

@@ -84,6 +84,18 @@ SurfacePoint nearest_on_skin(const Face& face, std::span<const std::uint32_t> tr
   return best;
 }
 
+bool inside_polygon(std::span<const Eigen::Vector2f> polygon, const Eigen::Vector2f& p) {
+  bool inside = false;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const auto& a = polygon[i];
+    const auto& b = polygon[j];
+    if ((a.y() > p.y()) != (b.y() > p.y()) &&
+        p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
+      inside = !inside;
+  }
+  return inside;
+}
+
 Eigen::Affine3d align_landmarks(const Face& from, const Face& to) {
   Eigen::Matrix<double, 3, 68> a;
   Eigen::Matrix<double, 3, 68> b;

@@ -33,6 +33,9 @@ struct SurfacePoint {
 [[nodiscard]] SurfacePoint nearest_on_skin(const Face& face, std::span<const std::uint32_t> triangles,
                                            const Vec3& p);
 
+/// Whether p lies inside a polygon (even-odd rule).
+[[nodiscard]] bool inside_polygon(std::span<const Eigen::Vector2f> polygon, const Eigen::Vector2f& p);
+
 /// Similarity transform that lays one face's 68 landmarks onto another's (Umeyama 1991,
 /// doi:10.1109/34.88573). Both have landmarks.
 [[nodiscard]] Eigen::Affine3d align_landmarks(const Face& from, const Face& to);

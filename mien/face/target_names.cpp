@@ -39,4 +39,12 @@ std::vector<std::size_t> shapes_of_name(std::string_view name) {
   return found == table.end() ? std::vector<std::size_t>{} : found->second;
 }
 
+std::vector<std::size_t> shapes_named(std::string_view name) {
+  if (const std::size_t one = shape_index(name); one < kShapeCount) return {one};
+  const std::size_t left = shape_index(std::string(name) + "_L");
+  const std::size_t right = shape_index(std::string(name) + "_R");
+  if (left < kShapeCount && right < kShapeCount) return {left, right};
+  return {};
+}
+
 }  // namespace mien::face

@@ -11,4 +11,8 @@ namespace mien::face {
 /// browInnerUp and cheekPuff give both sides. Empty when it is none of them.
 [[nodiscard]] std::vector<std::size_t> shapes_of_name(std::string_view name);
 
+/// The shape of that name; both sides, the left first, of a pair whose name it is without "_L" and "_R"; none
+/// for any other name.
+[[nodiscard]] std::vector<std::size_t> shapes_named(std::string_view name);
+
 }  // namespace mien::face

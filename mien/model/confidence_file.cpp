@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "mien/core/excerpt.h"
-#include "mien/face/region_names.h"
+#include "mien/face/shape_region.h"
 
 namespace mien::model {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mien/face/shapes_named.h"
+#include "mien/face/target_names.h"
 
 namespace mien::performer {
 

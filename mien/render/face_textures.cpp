@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "mien/face/face.h"
-#include "mien/render/jpeg.h"
+#include "mien/render/image.h"
 #include "mien/render/parallel.h"
 #include "mien/render/skin_detail.h"
 #include "mien/render/tone.h"

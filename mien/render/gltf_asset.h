@@ -60,13 +60,21 @@ class GltfAsset {
     accessor["max"] = {high.x(), high.y(), high.z()};
   }
 
+  /// An accessor of `values`, which are of this type ("VEC3") in components of that one.
+  template <class T>
+  std::size_t accessor(std::span<const T> values, int target, int component, const char* type,
+                       nlohmann::json more = nlohmann::json::object()) {
+    more.update({{"bufferView", view(values, target)},
+                 {"componentType", component},
+                 {"type", type},
+                 {"count", values.size()}});
+    return add("accessors", std::move(more));
+  }
+
   std::size_t vectors(std::span<const Vec3f> values, bool with_limits) {
-    nlohmann::json accessor = {{"bufferView", view(values, kVertexData)},
-                               {"componentType", kFloat},
-                               {"type", "VEC3"},
-                               {"count", values.size()}};
-    if (with_limits) limits(accessor, values, false);
-    return add("accessors", std::move(accessor));
+    nlohmann::json more = nlohmann::json::object();
+    if (with_limits) limits(more, values, false);
+    return accessor(values, kVertexData, kFloat, "VEC3", std::move(more));
   }
 
   /// Zero but for `values` at `index` (ascending).
@@ -87,17 +95,11 @@ class GltfAsset {
   }
 
   std::size_t texture_coordinates(std::span<const Eigen::Vector2f> values) {
-    return add("accessors", {{"bufferView", view(values, kVertexData)},
-                             {"componentType", kFloat},
-                             {"type", "VEC2"},
-                             {"count", values.size()}});
+    return accessor(values, kVertexData, kFloat, "VEC2");
   }
 
   std::size_t tangents(std::span<const Eigen::Vector4f> values) {
-    return add("accessors", {{"bufferView", view(values, kVertexData)},
-                             {"componentType", kFloat},
-                             {"type", "VEC4"},
-                             {"count", values.size()}});
+    return accessor(values, kVertexData, kFloat, "VEC4");
   }
 
   /// A texture of a picture file's content of this media type, which repeats sideways.
@@ -113,18 +115,12 @@ class GltfAsset {
   }
 
   std::size_t colours(std::span<const std::array<std::uint16_t, 4>> values) {
-    return add("accessors", {{"bufferView", view(values, kVertexData)},
-                             {"componentType", kUnsignedShort},
-                             {"normalized", true},
-                             {"type", "VEC4"},
-                             {"count", values.size()}});
+    return accessor(values, kVertexData, kUnsignedShort, "VEC4", {{"normalized", true}});
   }
 
   std::size_t indices(std::span<const std::array<std::uint32_t, 3>> triangles) {
-    return add("accessors", {{"bufferView", view(triangles, kIndexData)},
-                             {"componentType", kUnsignedInt},
-                             {"type", "SCALAR"},
-                             {"count", 3 * triangles.size()}});
+    const std::span<const std::uint32_t> corners(triangles.data()->data(), 3 * triangles.size());
+    return accessor(corners, kIndexData, kUnsignedInt, "SCALAR");
   }
 
   /// Numbers of an animation, `width` of them a value.

@@ -1,4 +1,4 @@
-#include "mien/render/infrared_eye.h"
+#include "mien/render/infrared_state.h"
 
 #include <algorithm>
 #include <cmath>

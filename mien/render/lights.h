@@ -1,7 +1,7 @@
 #pragma once
 
-#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "mien/render/renderer.h"
@@ -10,12 +10,12 @@ namespace mien::render {
 
 /// Lights that have a name, as people choose them.
 struct NamedLight {
-  std::string_view name;
-  std::string_view description;  ///< A line for people.
+  std::string name;
+  std::string description;  ///< A line for people.
   Look look;
 };
 
-/// studio, soft, evening, infrared. To add one: a row in lights.cpp.
+/// studio, soft, evening, infrared. Which they are: lights.toml.
 [[nodiscard]] std::span<const NamedLight> named_lights();
 
 /// The one of that name.

@@ -4,6 +4,24 @@
 #include <stdexcept>
 
 namespace mien::render {
+namespace {
+
+RTCRay ray_of(const Vec3f& origin, const Vec3f& direction, float from, float to) {
+  return {.org_x = origin.x(),
+          .org_y = origin.y(),
+          .org_z = origin.z(),
+          .tnear = from,
+          .dir_x = direction.x(),
+          .dir_y = direction.y(),
+          .dir_z = direction.z(),
+          .time = 0,
+          .tfar = to,
+          .mask = ~0U,
+          .id = 0,
+          .flags = 0};
+}
+
+}  // namespace
 
 RayScene::RayScene(std::span<const Vec3f> vertices, std::span<const std::array<std::uint32_t, 3>> triangles)
     // One thread builds: a tree of some ten thousand triangles takes milliseconds, and is the same every
@@ -43,18 +61,7 @@ void RayScene::move(std::span<const Vec3f> vertices) {
 
 RayScene::Hit RayScene::first_hit(const Vec3f& origin, const Vec3f& direction, float from) const {
   RTCRayHit ray{};
-  ray.ray = {.org_x = origin.x(),
-             .org_y = origin.y(),
-             .org_z = origin.z(),
-             .tnear = from,
-             .dir_x = direction.x(),
-             .dir_y = direction.y(),
-             .dir_z = direction.z(),
-             .time = 0,
-             .tfar = std::numeric_limits<float>::infinity(),
-             .mask = ~0U,
-             .id = 0,
-             .flags = 0};
+  ray.ray = ray_of(origin, direction, from, std::numeric_limits<float>::infinity());
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -123,18 +130,7 @@ void RayScene::blocked_towards(const Vec3f& origin, std::span<const Vec3f> targe
 }
 
 bool RayScene::blocked(const Vec3f& origin, const Vec3f& direction, float from, float to) const {
-  RTCRay ray{.org_x = origin.x(),
-             .org_y = origin.y(),
-             .org_z = origin.z(),
-             .tnear = from,
-             .dir_x = direction.x(),
-             .dir_y = direction.y(),
-             .dir_z = direction.z(),
-             .time = 0,
-             .tfar = to,
-             .mask = ~0U,
-             .id = 0,
-             .flags = 0};
+  RTCRay ray = ray_of(origin, direction, from, to);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(scene_.get(), &context, &ray);

@@ -27,7 +27,6 @@ std::vector<Vec3f> disc_directions(const Vec3f& axis, float radius_rad, int coun
 
 }  // namespace
 
-/// `count` directions spread evenly over the sphere (Fibonacci lattice).
 std::vector<Vec3f> sphere_directions(int count) {
   std::vector<Vec3f> directions;
   for (int i = 0; i < count; ++i) {

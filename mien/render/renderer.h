@@ -5,7 +5,6 @@
 
 #include "mien/core/rotation.h"
 #include "mien/face/face.h"
-#include "mien/face/skin_folds.h"
 #include "mien/face/skin_marks.h"
 #include "mien/render/camera.h"
 #include "mien/render/image.h"

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "mien/core/smoothstep.h"
+#include "mien/face/surface_point.h"
 #include "mien/render/skin_detail.h"
 #include "mien/render/solid_noise.h"
 #include "mien/render/tone.h"
@@ -66,17 +67,6 @@ Nearest nearest_on(const std::vector<Vector2f>& curve, const Vector2f& p, bool c
   }
   best.distance = std::sqrt(least);
   return best;
-}
-
-bool inside(const std::vector<Vector2f>& outline, const Vector2f& p) {
-  bool in = false;
-  for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
-    const Vector2f a = outline[i], b = outline[j];
-    if ((a.y() > p.y()) != (b.y() > p.y()) &&
-        p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
-      in = !in;
-  }
-  return in;
 }
 
 }  // namespace
@@ -182,7 +172,7 @@ float SurfacePaint::lip_amount(const Vec3f& p) const {
   const Vector2f q = p.head<2>();
   if (p.z() < lips_back_m_ || !lips_box_.contains(q)) return 0;
   const float distance = nearest_on(lips_m_, q, true).distance;
-  const float signed_m = inside(lips_m_, q) ? distance : -distance;
+  const float signed_m = face::inside_polygon(lips_m_, q) ? distance : -distance;
   return smoothstep(-kLipEdge_m, 0.0016F, signed_m);
 }
 

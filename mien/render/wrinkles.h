@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mien/face/face.h"
-#include "mien/face/skin_folds.h"
+#include "mien/face/skin_marks.h"
 
 namespace mien::render {
 

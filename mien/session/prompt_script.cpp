@@ -8,7 +8,7 @@
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/core/toml.h"
-#include "mien/face/shapes_named.h"
+#include "mien/face/target_names.h"
 
 namespace mien::session {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "mien/face/load_motion.h"
+#include "mien/face/livelink_csv.h"
 #include "mien/phone/inner_face.h"
 #include "mien/phone/taps.h"
 #include "mien/sensor/clock_model.h"

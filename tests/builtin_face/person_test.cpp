@@ -27,7 +27,7 @@ TEST(Person, TenPerformersHaveNamesByTheAlphabetAndValuesThatPeopleHave) {
     std::vector<std::string> said;
     (void)held(performer.parameters, &said);
     EXPECT_THAT(said, IsEmpty()) << performer.name;
-    const auto person = find_person("builtin:" + std::string(performer.name));
+    const auto person = find_person("builtin:" + performer.name);
     ASSERT_TRUE(person.has_value());
     EXPECT_EQ(person->parameters.age_years, performer.parameters.age_years);
     EXPECT_NE(performer.parameters.asymmetry_seed, 0U);

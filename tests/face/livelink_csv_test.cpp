@@ -12,7 +12,6 @@
 
 #include "mien/core/files.h"
 #include "mien/core/random.h"
-#include "mien/face/load_motion.h"
 #include "tests/folder.h"
 #include "tests/project_path.h"
 

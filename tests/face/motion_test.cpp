@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "mien/core/random.h"
-#include "mien/face/load_motion.h"
+#include "mien/face/livelink_csv.h"
 #include "tests/project_path.h"
 
 namespace mien::face::motion_test {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "mien/render/jpeg.h"
+#include "mien/render/image.h"
 
 // Pictures for tests of what reads them.
 namespace mien::headset::test {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <numbers>
 
-#include "mien/face/load_motion.h"
+#include "mien/face/livelink_csv.h"
 #include "mien/performer/performer.h"
 #include "tests/project_path.h"
 

@@ -12,9 +12,9 @@
 #include <set>
 #include <string>
 
+#include "mien/builtin_face/builtin_face.h"
 #include "mien/builtin_face/person.h"
 #include "mien/builtin_face/skin_marks.h"
-#include "mien/builtin_face/texture_layout.h"
 #include "mien/core/bytes.h"
 #include "mien/face/gltf_import.h"
 #include "mien/render/gltf_export.h"

@@ -1,4 +1,4 @@
-#include "mien/render/jpeg.h"
+#include "mien/render/image.h"
 
 #include <gtest/gtest.h>
 

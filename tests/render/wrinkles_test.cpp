@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mien/builtin_face/builtin_face.h"
-#include "mien/builtin_face/skin_folds.h"
+#include "mien/builtin_face/skin_marks.h"
 #include "mien/render/renderer.h"
 
 namespace mien::render::test::wrinkles_test {

@@ -10,7 +10,6 @@
 #include "mien/core/bytes.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
-#include "mien/face/load_motion.h"
 #include "mien/session/command.h"
 #include "mien/take/take.h"
 #include "tests/folder.h"

@@ -36,11 +36,10 @@ class Reader {
     MIEN_TRY(
         only_keys(file, {"name", "title", "source", "extends", "map", "share", "none", "lacks"}, where_));
     MIEN_TRY(read_head(file));
-    MIEN_TRY(each(file, "map", [&](auto shape, const toml::node& node) { return read_gains(shape, node); }));
-    MIEN_TRY(each(file, "none", [&](auto shape, const toml::node& node) { return read_none(shape, node); }));
-    MIEN_TRY(
-        each(file, "share", [&](auto shape, const toml::node& node) { return read_share(shape, node); }));
-    MIEN_TRY(read_lacks(file));
+    MIEN_TRY(each(file, "map", &Reader::read_gains));
+    MIEN_TRY(each(file, "none", &Reader::read_none));
+    MIEN_TRY(each(file, "share", &Reader::read_share));
+    MIEN_TRY(each(file, "lacks", &Reader::read_lack));
     MIEN_TRY(check_all_are_told());
     MIEN_TRY(check_shares());
     return std::move(table_);
@@ -108,16 +107,20 @@ class Reader {
                 place(where_, node));
   }
 
-  template <class Read>
-  Result<void> each(const toml::table& file, std::string_view key, Read read) {
+  /// Of `lacks` the keys are inner shapes, of the others the profile's.
+  Result<void> each(const toml::table& file, std::string_view key,
+                    Result<void> (Reader::*read)(std::size_t shape, const toml::node& node)) {
     const toml::node* const node = file.get(key);
     if (node == nullptr) return {};
     const toml::table* const table = node->as_table();
     if (table == nullptr)
       return fail(ErrorCode::malformed, fmt::format("'{}' is no table", key), place(where_, *node));
+    const bool inner = key == "lacks";
     for (const auto& [name, value] : *table) {
-      MIEN_TRY_ASSIGN(const std::size_t shape, find(name.str(), shape_names_, table_.names->profile, value));
-      MIEN_TRY(read(shape, value));
+      MIEN_TRY_ASSIGN(const std::size_t shape,
+                      find(name.str(), inner ? inner_names() : shape_names_,
+                           inner ? "the inner profile" : table_.names->profile, value));
+      MIEN_TRY((this->*read)(shape, value));
     }
     return {};
   }
@@ -170,19 +173,9 @@ class Reader {
     return {};
   }
 
-  Result<void> read_lacks(const toml::table& file) {
-    const toml::node* const node = file.get("lacks");
-    if (node == nullptr) return {};
-    const toml::table* const table = node->as_table();
-    if (table == nullptr) return fail(ErrorCode::malformed, "'lacks' is no table", place(where_, *node));
-    for (const auto& [name, value] : *table) {
-      MIEN_TRY_ASSIGN(const std::size_t k, find(name.str(), inner_names(), "the inner profile", value));
-      if (tellers(k).empty()) {
-        MIEN_TRY_ASSIGN(table_.lacks[k], text(&value, name.str()));
-      } else {
-        return twice(inner_name(k), value);
-      }
-    }
+  Result<void> read_lack(std::size_t inner, const toml::node& node) {
+    if (!tellers(inner).empty()) return twice(inner_name(inner), node);
+    MIEN_TRY_ASSIGN(table_.lacks[inner], text(&node, inner_name(inner)));
     return {};
   }
 

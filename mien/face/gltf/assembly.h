@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "mien/face/gltf/arrays.h"
 #include "mien/face/gltf/binding.h"
 #include "mien/face/gltf/nodes.h"
+#include "mien/face/gltf_import.h"
 
 namespace mien::face::gltf {
 
@@ -46,5 +48,9 @@ struct Assembly {
 [[nodiscard]] Result<void> add_mesh(const tinygltf::Model& model, const Placed& placed,
                                     const std::vector<Eigen::Matrix4d>& worlds, const Binding& binding,
                                     Assembly& out, const Arrays& arrays);
+
+/// Makes the assembly a Face: turned to frame H, in metres, shapes in one piece split into sides, eyeballs
+/// and skin found. `name` is the file. Errors: malformed (its shapes move nothing).
+[[nodiscard]] Result<GltfHead> finish(Assembly head, const Binding& binding, const std::string& name);
 
 }  // namespace mien::face::gltf

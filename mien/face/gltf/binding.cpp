@@ -3,7 +3,6 @@
 #include <set>
 #include <string>
 
-#include "mien/face/gltf/vrm_expressions.h"
 #include "mien/face/target_names.h"
 
 namespace mien::face::gltf {

@@ -1,4 +1,4 @@
-#include "mien/face/gltf/finish.h"
+#include "mien/face/gltf/assembly.h"
 
 #include <fmt/format.h>
 
@@ -12,14 +12,11 @@
 #include <utility>
 
 #include "mien/core/smoothstep.h"
+#include "mien/face/profile_map.h"
 
 namespace mien::face::gltf {
 namespace fs = std::filesystem;
 namespace {
-
-std::string_view shape_name(std::size_t k) {
-  return k < kShapeCount ? kShapeNames[k] : "tongueOut";
-}
 
 /// Whether the head looks along -Z: by where the shapes that push forward push, else by where the left ones
 /// are.
@@ -105,7 +102,7 @@ Result<GltfHead> finish(Assembly head, const Binding& binding, const std::string
   for (std::size_t k = 0; k <= kShapeCount; ++k) {
     if (k == kShapeCount && head.delta[k].empty()) break;
     Shape& s = face.shapes.emplace_back();
-    s.name = shape_name(k);
+    s.name = inner_name(k);
     const double side = s.name.ends_with("_L") ? 1 : -1;
     for (const auto& [vertex, delta] : head.delta[k]) {
       double share = 1;

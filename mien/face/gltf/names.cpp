@@ -2,16 +2,14 @@
 
 #include <algorithm>
 
+#include "mien/core/ascii.h"
+
 namespace mien::face::gltf {
 
 std::string plain(std::string_view name) {
   std::string out;
-  for (const char c : name) {
-    if (c >= 'A' && c <= 'Z')
-      out += static_cast<char>(c - 'A' + 'a');
-    else if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'))
-      out += c;
-  }
+  for (const char c : name)
+    if (const char low = ascii_lower(c); (low >= 'a' && low <= 'z') || (low >= '0' && low <= '9')) out += low;
   return out;
 }
 

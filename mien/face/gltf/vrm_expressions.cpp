@@ -1,4 +1,4 @@
-#include "mien/face/gltf/vrm_expressions.h"
+#include "mien/face/gltf/binding.h"
 
 #include <array>
 #include <cmath>

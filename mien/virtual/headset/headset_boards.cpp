@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "mien/render/jpeg.h"
+#include "mien/render/image.h"
 #include "mien/sensor/payload.h"
 #include "mien/virtual/node.h"
 #include "mien/virtual/reception.h"

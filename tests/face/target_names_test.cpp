@@ -1,4 +1,4 @@
-#include "mien/face/shapes_named.h"
+#include "mien/face/target_names.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "mien/face/profile.h"
 
-namespace mien::face::shapes_named_test {
+namespace mien::face::target_names_test {
 namespace {
 
 TEST(ShapesNamed, OneOrBothSidesOrNone) {
@@ -19,4 +19,4 @@ TEST(ShapesNamed, OneOrBothSidesOrNone) {
 }
 
 }  // namespace
-}  // namespace mien::face::shapes_named_test
+}  // namespace mien::face::target_names_test
