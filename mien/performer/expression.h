@@ -1,7 +1,7 @@
 #pragma once
 
 #include <span>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "mien/performer/canvas.h"
@@ -12,7 +12,7 @@ namespace mien::performer {
 
 /// A named pose: "joy", "wink_L", "jawOpen".
 struct Expression {
-  std::string_view name;
+  std::string name;
   Pose pose;
   float tongue_out = 0;
 };
