@@ -2,7 +2,6 @@
 
 #include <span>
 #include <string>
-#include <vector>
 
 #include "mien/performer/canvas.h"
 #include "mien/performer/script.h"

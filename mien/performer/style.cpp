@@ -1,7 +1,6 @@
 #include "mien/performer/style.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string_view>
 
 #include "mien/performer/tables.h"

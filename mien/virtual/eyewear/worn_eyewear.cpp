@@ -1,7 +1,5 @@
 #include "mien/virtual/eyewear/worn_eyewear.h"
 
-#include <cstdint>
-
 #include "mien/virtual/eyewear/eyewear_boards.h"
 #include "mien/virtual/eyewear/eyewear_session.h"
 #include "mien/virtual/node.h"

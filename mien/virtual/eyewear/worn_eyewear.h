@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <utility>
-#include <vector>
 
 #include "mien/core/random.h"
 #include "mien/face/face.h"

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
-#include "mien/sensor/bindings.h"
 #include "mien/speech/sound_block.h"
 #include "mien/virtual/node.h"
 #include "mien/virtual/reception.h"
