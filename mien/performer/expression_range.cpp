@@ -9,8 +9,6 @@
 namespace mien::performer {
 
 using face::kShapeCount;
-using face::kShapeNames;
-using face::shape;
 
 namespace {
 
@@ -27,7 +25,7 @@ Pose draw_overflow(Random& random) {
   const auto count = random.below(4);
   for (std::uint64_t i = 0; i < count; ++i) {
     const std::size_t k = random.below(kShapeCount);
-    if (kShapeNames[k].starts_with("eyeLook") || k == shape("mouthClose")) continue;
+    if (is_led(k)) continue;
     const auto amount = static_cast<float>(random.uniform(0, 0.3));
     overflow.push_back({static_cast<std::uint8_t>(k), amount});
     if (other_side(k) != k && random.chance(0.7))

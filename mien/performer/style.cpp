@@ -13,13 +13,6 @@ using face::shape;
 
 namespace {
 
-bool is_eye_look(std::size_t k) {
-  return kShapeNames[k].starts_with("eyeLook");
-}
-/// Driven by their own models, or a corrective: never coupled.
-bool is_led(std::size_t k) {
-  return is_eye_look(k) || k == shape("mouthClose");
-}
 void draw_gains(Style& style, Random random) {
   for (std::size_t k = 0; k < kShapeCount; ++k) {
     const std::size_t twin = other_side(k);
@@ -43,7 +36,7 @@ void draw_rest(Style& style, Random random) {
   // Most shapes rest near nothing, some well above: how people's faces hang, and how trackers see them.
   const double level = 0.035 * random.log_normal(0.5);
   for (std::size_t k = 0; k < kShapeCount; ++k) {
-    if (is_eye_look(k) || k == shape("mouthClose")) continue;
+    if (is_led(k)) continue;
     const std::size_t twin = other_side(k);
     if (twin < k) {
       style.rest[k] = static_cast<float>(style.rest[twin] * random.log_normal(0.15));
