@@ -15,7 +15,7 @@ namespace {
 using nlohmann::json;
 using sensor::read_flag;
 using sensor::read_number;
-using sensor::read_text;
+using sensor::read_string;
 using sensor::Score;
 
 constexpr std::size_t kMostSensors = 256;
@@ -81,7 +81,7 @@ Result<Normalisation> parse_normalisation(std::string_view text, const std::stri
     return fail(ErrorCode::out_of_range, "more sensors or scores than a rig has", where);
   for (const json& item : *sensors) {
     SensorNormalisation s;
-    if (!item.is_object() || !read_text(item, "sensor", s.sensor) || !read_flag(item, "valid", s.valid) ||
+    if (!item.is_object() || !read_string(item, "sensor", s.sensor) || !read_flag(item, "valid", s.valid) ||
         !read_number(item, "neutral", s.neutral) || !read_number(item, "unrest", s.unrest) ||
         !read_number(item, "range", s.range) || !read_number(item, "moved", s.moved))
       return bad(fmt::format("sensor {} is not a sensor's normalisation", out.sensors.size()));

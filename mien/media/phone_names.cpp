@@ -1,50 +1,31 @@
 #include "mien/media/phone_names.h"
 
-#include <algorithm>
-#include <array>
-#include <span>
+#include <ranges>
 
 namespace mien::media {
 namespace {
 
-struct Phone {
-  std::string_view name, ipa;
-};
-constexpr std::array kEnglish = {
-    Phone{"aa", "ɑ"},  Phone{"ae", "æ"},  Phone{"ah", "ʌ"}, Phone{"ao", "ɔ"},  Phone{"aw", "aʊ"},
-    Phone{"ax", "ə"},  Phone{"ay", "aɪ"}, Phone{"b", "b"},  Phone{"ch", "tʃ"}, Phone{"d", "d"},
-    Phone{"dh", "ð"},  Phone{"eh", "ɛ"},  Phone{"er", "ɝ"}, Phone{"ey", "eɪ"}, Phone{"f", "f"},
-    Phone{"g", "ɡ"},   Phone{"hh", "h"},  Phone{"ih", "ɪ"}, Phone{"iy", "i"},  Phone{"jh", "dʒ"},
-    Phone{"k", "k"},   Phone{"l", "l"},   Phone{"m", "m"},  Phone{"n", "n"},   Phone{"ng", "ŋ"},
-    Phone{"ow", "oʊ"}, Phone{"oy", "ɔɪ"}, Phone{"p", "p"},  Phone{"r", "ɹ"},   Phone{"s", "s"},
-    Phone{"sh", "ʃ"},  Phone{"t", "t"},   Phone{"th", "θ"}, Phone{"uh", "ʊ"},  Phone{"uw", "u"},
-    Phone{"v", "v"},   Phone{"w", "w"},   Phone{"y", "j"},  Phone{"z", "z"},   Phone{"zh", "ʒ"}};
+// Names and their IPA.
+constexpr std::string_view kEnglish =
+    "aa=ɑ ae=æ ah=ʌ ao=ɔ aw=aʊ ax=ə ay=aɪ b=b ch=tʃ d=d dh=ð eh=ɛ er=ɝ ey=eɪ f=f g=ɡ hh=h ih=ɪ iy=i jh=dʒ "
+    "k=k l=l m=m n=n ng=ŋ ow=oʊ oy=ɔɪ p=p r=ɹ s=s sh=ʃ t=t th=θ uh=ʊ uw=u v=v w=w y=j z=z zh=ʒ";
 /// Without their length and stress.
-constexpr std::array kContinental = {
-    Phone{"&", "æ"},  Phone{"@", "ø"},  Phone{"E", "ɛ"},   Phone{"J", "ɲ"},   Phone{"L", "ʎ"},
-    Phone{"N", "ŋ"},  Phone{"O", "ɔ"},  Phone{"S", "ʃ"},   Phone{"T", "θ"},   Phone{"Z", "ʒ"},
-    Phone{"a", "a"},  Phone{"b", "b"},  Phone{"c", "ts"},  Phone{"c~", "tʃ"}, Phone{"ch", "x"},
-    Phone{"d", "d"},  Phone{"d~", "ɟ"}, Phone{"dZ", "dʒ"}, Phone{"dz", "dz"}, Phone{"dz~", "dʒ"},
-    Phone{"e", "e"},  Phone{"f", "f"},  Phone{"g", "ɡ"},   Phone{"h", "h"},   Phone{"i", "i"},
-    Phone{"j", "j"},  Phone{"k", "k"},  Phone{"l", "l"},   Phone{"m", "m"},   Phone{"n", "n"},
-    Phone{"n*", "ŋ"}, Phone{"ng", "ŋ"}, Phone{"n~", "ɲ"},  Phone{"nf", "ɱ"},  Phone{"o", "o"},
-    Phone{"p", "p"},  Phone{"r", "r"},  Phone{"r~", "r"},  Phone{"r~*", "r"}, Phone{"s", "s"},
-    Phone{"s~", "ʃ"}, Phone{"t", "t"},  Phone{"t~", "c"},  Phone{"tS", "tʃ"}, Phone{"ts", "ts"},
-    Phone{"u", "u"},  Phone{"v", "v"},  Phone{"w", "w"},   Phone{"x", "x"},   Phone{"y", "y"},
-    Phone{"z", "z"},  Phone{"z~", "ʒ"}};
+constexpr std::string_view kContinental =
+    "&=æ @=ø E=ɛ J=ɲ L=ʎ N=ŋ O=ɔ S=ʃ T=θ Z=ʒ a=a b=b c=ts c~=tʃ ch=x d=d d~=ɟ dZ=dʒ dz=dz dz~=dʒ e=e f=f "
+    "g=ɡ h=h i=i j=j k=k l=l m=m n=n n*=ŋ ng=ŋ n~=ɲ nf=ɱ o=o p=p r=r r~=r r~*=r s=s s~=ʃ t=t t~=c tS=tʃ "
+    "ts=ts u=u v=v w=w x=x y=y z=z z~=ʒ";
 /// Without their softness, which the lips do not show.
-constexpr std::array kRussian = {
-    Phone{"a", "a"},  Phone{"aa", "a"},  Phone{"ae", "ɛ"}, Phone{"ay", "ʌ"}, Phone{"b", "b"},
-    Phone{"c", "ts"}, Phone{"ch", "tʃ"}, Phone{"d", "d"},  Phone{"e", "e"},  Phone{"ee", "e"},
-    Phone{"f", "f"},  Phone{"g", "ɡ"},   Phone{"h", "x"},  Phone{"i", "ɪ"},  Phone{"ii", "i"},
-    Phone{"j", "j"},  Phone{"k", "k"},   Phone{"l", "l"},  Phone{"m", "m"},  Phone{"n", "n"},
-    Phone{"oo", "o"}, Phone{"p", "p"},   Phone{"r", "r"},  Phone{"s", "s"},  Phone{"sch", "ʃ"},
-    Phone{"sh", "ʃ"}, Phone{"t", "t"},   Phone{"u", "u"},  Phone{"ur", "ʊ"}, Phone{"uu", "u"},
-    Phone{"v", "v"},  Phone{"y", "ɨ"},   Phone{"yy", "ɨ"}, Phone{"z", "z"},  Phone{"zh", "ʒ"}};
+constexpr std::string_view kRussian =
+    "a=a aa=a ae=ɛ ay=ʌ b=b c=ts ch=tʃ d=d e=e ee=e f=f g=ɡ h=x i=ɪ ii=i j=j k=k l=l m=m n=n oo=o p=p r=r "
+    "s=s sch=ʃ sh=ʃ t=t u=u ur=ʊ uu=u v=v y=ɨ yy=ɨ z=z zh=ʒ";
 
-std::string_view find(std::span<const Phone> phones, std::string_view name) {
-  const auto found = std::ranges::find(phones, name, &Phone::name);
-  return found == phones.end() ? std::string_view() : found->ipa;
+std::string_view find(std::string_view phones, std::string_view name) {
+  for (const auto entry : phones | std::views::split(' ')) {
+    const std::string_view phone(entry.begin(), entry.end());
+    if (phone.starts_with(name) && phone.substr(name.size()).starts_with('='))
+      return phone.substr(name.size() + 1);
+  }
+  return {};
 }
 
 }  // namespace

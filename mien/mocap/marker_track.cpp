@@ -1,7 +1,6 @@
 #include "mien/mocap/marker_track.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>

@@ -63,6 +63,10 @@ std::size_t other_side(std::size_t shape_of_one_side) {
   return other[shape_of_one_side];
 }
 
+bool is_led(std::size_t shape) {
+  return kShapeNames[shape].starts_with("eyeLook") || shape == face::shape("mouthClose");
+}
+
 Canvas::Canvas(std::size_t frame_count)
     : weights(frame_count),
       tongue_out(frame_count, 0.0F),

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -49,6 +47,9 @@ struct NamedPart {
 
 /// The shape of the other side; the same for unsided shapes (opposites such as jawLeft included).
 [[nodiscard]] std::size_t other_side(std::size_t shape_of_one_side);
+
+/// Whether a shape is never meant by itself: the gaze model moves eyeLook, mouthClose corrects jawOpen.
+[[nodiscard]] bool is_led(std::size_t shape);
 
 /// Intended motion at 60 Hz, before the person's style, blinks and limits. Layers add to it. All tracks have
 /// frame_count() entries.

@@ -1,8 +1,7 @@
 #pragma once
 
 #include <span>
-#include <string_view>
-#include <vector>
+#include <string>
 
 #include "mien/performer/canvas.h"
 #include "mien/performer/script.h"
@@ -12,7 +11,7 @@ namespace mien::performer {
 
 /// A named pose: "joy", "wink_L", "jawOpen".
 struct Expression {
-  std::string_view name;
+  std::string name;
   Pose pose;
   float tongue_out = 0;
 };

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <span>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "mien/performer/canvas.h"
@@ -11,7 +11,7 @@ namespace mien::performer {
 
 /// One exercise of a range-of-motion take: each repetition visits its poses in turn.
 struct Exercise {
-  std::string_view name;
+  std::string name;
   std::vector<Pose> poses;  ///< One: there and back. Two or more: from one directly to the next.
   float tongue_out = 0;
   Eigen::Vector2f gaze_rad = Eigen::Vector2f::Zero();  ///< Half axes of the eyes' ellipse, rad.

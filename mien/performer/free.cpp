@@ -14,10 +14,9 @@ namespace {
 
 /// Shapes that lie together on the face.
 constexpr std::size_t kRegionCount = 6;
-constexpr std::array<std::string_view, kShapeCount> kNames = face::kShapeNames;
 
 std::size_t region_of(std::size_t k) {
-  const std::string_view name = kNames[k];
+  const std::string_view name = kShapeNames[k];
   if (name.starts_with("brow")) return 0;
   if (name.starts_with("eye")) return 1;
   if (name.starts_with("cheek") || name.starts_with("nose")) return 2;
@@ -28,17 +27,11 @@ std::size_t region_of(std::size_t k) {
   return 5;
 }
 
-/// Shapes that free motion draws: not the eyes' directions (gaze has its own model), and mouthClose only with
-/// jawOpen.
-bool is_drawn(std::size_t k) {
-  return !kNames[k].starts_with("eyeLook") && k != shape("mouthClose");
-}
-
 const std::array<std::vector<std::size_t>, kRegionCount>& region_shapes() {
   static const auto all = [] {
     std::array<std::vector<std::size_t>, kRegionCount> shapes;
     for (std::size_t k = 0; k < kShapeCount; ++k)
-      if (is_drawn(k)) shapes[region_of(k)].push_back(k);
+      if (!is_led(k)) shapes[region_of(k)].push_back(k);
     return shapes;
   }();
   return all;

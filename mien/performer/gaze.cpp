@@ -13,6 +13,8 @@ using face::shape;
 
 namespace {
 
+/// Eye rotation of a full eyeLook weight, rad, in single precision.
+constexpr auto kGazeRadiansPerUnit = static_cast<float>(face::kEyeTurnRadPerUnit);
 constexpr double kHalfPupilDistance_m = 0.0315;
 constexpr double kLargeShift_rad = 8 * kRadPerDeg;
 

@@ -38,9 +38,6 @@ struct GazeTrack {
 [[nodiscard]] GazeTrack draw_gaze(std::size_t frame_count, std::span<const GazeEpisode> episodes,
                                   const Eigen::Vector2f& rest_rad, double range, Random random);
 
-/// Eye rotation of a full eyeLook weight, rad, in single precision.
-inline constexpr auto kGazeRadiansPerUnit = static_cast<float>(face::kEyeTurnRadPerUnit);
-
 /// Writes the eight eyeLook weights of one frame: yaw and pitch as in GazeTrack, both eyes turned inwards by
 /// `vergence_rad`. Only one of each pair of opposites is above 0.
 void set_eye_look(face::BlendshapeWeights& weights, const Eigen::Vector2f& direction_rad, float vergence_rad);

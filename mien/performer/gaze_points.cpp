@@ -1,6 +1,5 @@
 #include "mien/performer/gaze_points.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 

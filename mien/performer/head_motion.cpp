@@ -25,6 +25,7 @@ struct Stage {
   std::vector<Vec3>& angle;     // (pitch, yaw, roll), rad.
   std::vector<Vec3>& position;  // m, about the walked way.
   std::vector<Vec3>& velocity;  // m/s, of the walk itself.
+  double liveliness = 1;        // Scales talk.
 
   [[nodiscard]] double time_s(std::size_t i) const { return static_cast<double>(i - begin) / kFrameRateHz; }
   [[nodiscard]] double duration_s() const { return time_s(end); }
@@ -81,7 +82,7 @@ void turn(const Stage& stage, Random& random) {
   }
 }
 
-void talk(const Stage& stage, double liveliness, Random& random) {
+void talk(const Stage& stage, Random& random) {
   std::array<SmoothNoise, 3> slow = {SmoothNoise(0.25, random), SmoothNoise(0.25, random),
                                      SmoothNoise(0.2, random)};
   std::array<SmoothNoise, 3> quick = {SmoothNoise(1.2, random), SmoothNoise(1.0, random),
@@ -91,7 +92,7 @@ void talk(const Stage& stage, double liveliness, Random& random) {
   for (std::size_t i = stage.begin; i < stage.end; ++i)
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<Eigen::Index>(axis);
-      stage.angle[i][a] += stage.share(i) * liveliness * kRadPerDeg *
+      stage.angle[i][a] += stage.share(i) * stage.liveliness * kRadPerDeg *
                            (slow_deg[a] * slow[axis].next(random) + quick_deg[a] * quick[axis].next(random));
     }
 }
@@ -136,18 +137,28 @@ void dart(const Stage& stage, Random& random) {
   }
 }
 
-/// How a body carries the head at each step.
+/// How a body carries the head at each step: between what each is drawn.
 struct Gait {
-  double steps_hz;
-  double bounce_m;  ///< Half of the way up and down.
-  double shock_m;   ///< The same of the second harmonic.
-  double sway_m;    ///< Sideways, at half the rate of steps.
-  double surge_m;   ///< Forward and back.
-  double pitch_rad;
-  double speed_m_s;
+  using Range = std::array<double, 2>;
+  Range steps_hz;
+  Range bounce_m;  ///< Half of the way up and down.
+  Range shock_m;   ///< The same of the second harmonic.
+  Range sway_m;    ///< Sideways, at half the rate of steps.
+  Range surge_m;   ///< Forward and back.
+  Range pitch_deg;
+  Range speed_m_s;
 };
+constexpr Gait kWalk = {{1.7, 2.1},     {0.016, 0.026}, {0.001, 0.003}, {0.012, 0.025},
+                        {0.004, 0.012}, {0.5, 2.0},     {1.1, 1.5}};
+constexpr Gait kRun = {{2.6, 3.0},     {0.030, 0.045}, {0.004, 0.008}, {0.010, 0.020},
+                       {0.008, 0.016}, {1.0, 3.0},     {2.5, 3.5}};
 
-void step_along(const Stage& stage, const Gait& gait, Random& random) {
+template <const Gait& gait>
+void step_along(const Stage& stage, Random& random) {
+  const auto drawn = [&](const Gait::Range& range) { return random.uniform(range[0], range[1]); };
+  const double steps_hz = drawn(gait.steps_hz), bounce_m = drawn(gait.bounce_m);
+  const double shock_m = drawn(gait.shock_m), sway_m = drawn(gait.sway_m), surge_m = drawn(gait.surge_m);
+  const double pitch_rad = drawn(gait.pitch_deg) * kRadPerDeg, speed_m_s = drawn(gait.speed_m_s);
   SmoothNoise tempo(0.3, random);
   SmoothNoise size(0.4, random);
   SmoothNoise path(0.08, random);
@@ -158,7 +169,7 @@ void step_along(const Stage& stage, const Gait& gait, Random& random) {
   const double tilt = random.uniform(0.3, 1.2) * kRadPerDeg;
   for (std::size_t i = stage.begin; i < stage.end; ++i) {
     const double share = stage.share(i);
-    phase += gait.steps_hz * (1 + 0.03 * tempo.next(random)) / kFrameRateHz;
+    phase += steps_hz * (1 + 0.03 * tempo.next(random)) / kFrameRateHz;
     const double strength = share * (1 + 0.1 * size.next(random));
     const double step = kTurn * phase;
     const double stride = 0.5 * step;
@@ -166,41 +177,21 @@ void step_along(const Stage& stage, const Gait& gait, Random& random) {
     const double heading = share * 15 * kRadPerDeg * path.next(random);
     const Vec3 forward(std::sin(heading), 0, std::cos(heading));
     const Vec3 left(std::cos(heading), 0, -std::sin(heading));
-    const double up =
-        gait.bounce_m * std::sin(step) + gait.shock_m * std::sin(2 * (step + kTurn * shock_lag));
-    stage.position[i] += strength * (Vec3(0, up, 0) + gait.sway_m * std::sin(stride + kTurn * lag) * left +
-                                     gait.surge_m * std::sin(step + 1.1) * forward);
+    const double up = bounce_m * std::sin(step) + shock_m * std::sin(2 * (step + kTurn * shock_lag));
+    stage.position[i] += strength * (Vec3(0, up, 0) + sway_m * std::sin(stride + kTurn * lag) * left +
+                                     surge_m * std::sin(step + 1.1) * forward);
     stage.angle[i] +=
-        Vec3(strength * gait.pitch_rad * std::sin(step + kTurn * lag),
+        Vec3(strength * pitch_rad * std::sin(step + kTurn * lag),
              heading + share * 3 * kRadPerDeg * look.next(random) + strength * tilt * std::sin(stride),
              strength * 0.6 * tilt * std::sin(stride + 0.7));
-    stage.velocity[i] += share * gait.speed_m_s * forward;
+    stage.velocity[i] += share * speed_m_s * forward;
   }
 }
 
-void walk(const Stage& stage, Random& random) {
-  step_along(stage,
-             {.steps_hz = random.uniform(1.7, 2.1),
-              .bounce_m = random.uniform(0.016, 0.026),
-              .shock_m = random.uniform(0.001, 0.003),
-              .sway_m = random.uniform(0.012, 0.025),
-              .surge_m = random.uniform(0.004, 0.012),
-              .pitch_rad = random.uniform(0.5, 2.0) * kRadPerDeg,
-              .speed_m_s = random.uniform(1.1, 1.5)},
-             random);
-}
+void keep_still(const Stage&, Random&) {}
 
-void run(const Stage& stage, Random& random) {
-  step_along(stage,
-             {.steps_hz = random.uniform(2.6, 3.0),
-              .bounce_m = random.uniform(0.030, 0.045),
-              .shock_m = random.uniform(0.004, 0.008),
-              .sway_m = random.uniform(0.010, 0.020),
-              .surge_m = random.uniform(0.008, 0.016),
-              .pitch_rad = random.uniform(1.0, 3.0) * kRadPerDeg,
-              .speed_m_s = random.uniform(2.5, 3.5)},
-             random);
-}
+/// By HeadActivity.
+constexpr std::array kActivities = {keep_still, nod, turn, talk, step_along<kWalk>, step_along<kRun>, dart};
 
 }  // namespace
 
@@ -229,30 +220,9 @@ HeadTrack draw_head_motion(std::size_t frame_count, std::span<const HeadEpisode>
     // Neighbours overlap while one fades out and the other in.
     const std::size_t end = frame_at(next_s + kCrossfade_s);
     if (begin >= end) continue;
-    const Stage stage{begin, end, angle, position, velocity};
     Random own = random.fork("episode", e);
-    switch (episodes[e].activity) {
-      case HeadActivity::still:
-        break;
-      case HeadActivity::nodding:
-        nod(stage, own);
-        break;
-      case HeadActivity::turning:
-        turn(stage, own);
-        break;
-      case HeadActivity::talking:
-        talk(stage, liveliness, own);
-        break;
-      case HeadActivity::walking:
-        walk(stage, own);
-        break;
-      case HeadActivity::running:
-        run(stage, own);
-        break;
-      case HeadActivity::darting:
-        dart(stage, own);
-        break;
-    }
+    kActivities[static_cast<std::size_t>(episodes[e].activity)](
+        {begin, end, angle, position, velocity, liveliness}, own);
   }
   // Nobody's head is quite still.
   Random sway_random = random.fork("sway");

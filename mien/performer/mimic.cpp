@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 #include <vector>
 
 #include "mien/core/time.h"
@@ -13,7 +12,6 @@
 namespace mien::performer {
 
 using face::kShapeCount;
-using face::kShapeNames;
 using face::shape;
 
 namespace {
@@ -46,7 +44,7 @@ Answer answer(const PoseCue& cue, const Mimicry& mimicry, Random random) {
   for (std::uint64_t i = 0; i < unasked;) {
     const std::size_t k = random.below(kShapeCount);
     const double weight = random.uniform(0, mimicry.unasked);
-    if (kShapeNames[k].starts_with("eyeLook") || k == shape("mouthClose")) continue;
+    if (is_led(k)) continue;
     out.pose[k] += static_cast<float>(weight);
     ++i;
   }

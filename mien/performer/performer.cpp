@@ -1,6 +1,7 @@
 #include "mien/performer/performer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -27,6 +28,11 @@ namespace {
 /// Neighbouring segments overlap by twice this.
 constexpr std::size_t kOverlapFrames = 12;
 
+/// By Emotion: active ones open the mouth and move the head, sadness takes both back.
+constexpr Manner kUnmoved{0, 0, 0}, kRoused{0.3, 0.2, 0.8}, kTense{0.4, 0.3, 0.6}, kLow{-0.35, -0.3, -0.4};
+constexpr std::array<Manner, kEmotionCount> kChanges = {kUnmoved, kRoused,  kLow,    kTense,
+                                                        kTense,   kUnmoved, kRoused, kUnmoved};
+
 Manner manner_of(const Segment& segment, const Style& style) {
   Manner manner{
       .loudness = style.articulation, .articulation = style.articulation, .prosody = style.head_liveliness};
@@ -34,26 +40,10 @@ Manner manner_of(const Segment& segment, const Style& style) {
     manner.prosody *= 0.6;  // Calm reading.
     return manner;
   }
-  // Active emotions open the mouth and move the head, sadness takes both back.
   const double by = segment.intensity;
-  switch (segment.emotion) {
-    case Emotion::joy:
-    case Emotion::surprise:
-      manner = {manner.loudness * (1 + 0.3 * by), manner.articulation * (1 + 0.2 * by),
-                manner.prosody * (1 + 0.8 * by)};
-      break;
-    case Emotion::anger:
-    case Emotion::fear:
-      manner = {manner.loudness * (1 + 0.4 * by), manner.articulation * (1 + 0.3 * by),
-                manner.prosody * (1 + 0.6 * by)};
-      break;
-    case Emotion::sadness:
-      manner = {manner.loudness * (1 - 0.35 * by), manner.articulation * (1 - 0.3 * by),
-                manner.prosody * (1 - 0.4 * by)};
-      break;
-    default:
-      break;
-  }
+  const Manner& change = kChanges[static_cast<std::size_t>(segment.emotion)];
+  manner = {manner.loudness * (1 + change.loudness * by),
+            manner.articulation * (1 + change.articulation * by), manner.prosody * (1 + change.prosody * by)};
   manner.prosody = std::min(manner.prosody, 2.0);
   return manner;
 }

@@ -1,9 +1,10 @@
 #include "mien/performer/speech.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "mien/performer/tables.h"
 
 namespace mien::performer {
 
@@ -32,109 +33,11 @@ Result<std::string> read_string(const Json& object, const char* key, const std::
   return found->get<std::string>();
 }
 
-/// A choice with its share; shares need not sum to anything.
-struct Choice {
-  std::string_view sounds;  ///< Separated by spaces.
-  double share;
-};
-
-/// What babble needs to know of a language. Inventories after the handbook of the International Phonetic
-/// Association (1999); shares are rough, most frequent sounds first; syllables a second after Pellegrino,
-/// Coupé and Marsico 2011, doi:10.1353/lan.2011.0057.
-struct Language {
-  std::string_view code;
-  double syllables_per_s;
-  double stress;        ///< How much longer stressed syllables are than others, 0: all alike.
-  double onset_chance;  ///< That a syllable begins with a consonant.
-  double coda_chance;
-  std::string_view weak_vowel;  ///< Of unstressed syllables; empty: none.
-  std::span<const Choice> onsets;
-  std::span<const Choice> vowels;
-  std::span<const Choice> codas;
-};
-
-constexpr Choice kEnglishOnsets[] = {
-    {"t", 7},     {"ð", 6},     {"s", 5},       {"d", 5},       {"w", 5},     {"m", 5},     {"b", 5},
-    {"h", 4},     {"f", 4},     {"n", 4},       {"k", 4},       {"l", 4},     {"ɹ", 4},     {"p", 4},
-    {"ɡ", 2},     {"v", 2},     {"j", 2},       {"ʃ", 2},       {"tʃ", 1},    {"dʒ", 1},    {"θ", 1},
-    {"z", 1},     {"s t", 2},   {"t ɹ", 1},     {"p ɹ", 1.5},   {"p l", 1},   {"b ɹ", 0.7}, {"f ɹ", 0.8},
-    {"k l", 0.6}, {"s p", 0.8}, {"s t ɹ", 0.5}, {"s k w", 0.2}, {"k w", 0.4}, {"f l", 0.5}};
-constexpr Choice kEnglishVowels[] = {{"ɪ", 9},  {"ɛ", 6},  {"æ", 6},  {"iː", 6}, {"ʌ", 4},
-                                     {"aɪ", 5}, {"eɪ", 5}, {"oʊ", 4}, {"uː", 4}, {"ɔː", 4},
-                                     {"ɑː", 4}, {"ɜː", 2}, {"ʊ", 2},  {"aʊ", 2}, {"ɔɪ", 0.5}};
-constexpr Choice kEnglishCodas[] = {{"n", 9},   {"t", 7},   {"d", 6},     {"z", 5},    {"l", 5},   {"s", 4},
-                                    {"ɹ", 4},   {"m", 4},   {"k", 3},     {"v", 3},    {"ŋ", 3},   {"p", 2},
-                                    {"f", 1.5}, {"b", 0.5}, {"ʃ", 0.5},   {"tʃ", 1},   {"n d", 2}, {"s t", 2},
-                                    {"n t", 2}, {"k s", 1}, {"l d", 0.7}, {"m p", 0.5}};
-
-constexpr Choice kGermanOnsets[] = {{"d", 8},     {"z", 5},     {"v", 5},     {"ʁ", 4},     {"ɡ", 5},
-                                    {"f", 5},     {"b", 6},     {"m", 5},     {"n", 4},     {"t", 4},
-                                    {"h", 4},     {"l", 3},     {"k", 3},     {"j", 2},     {"ʃ", 2},
-                                    {"p", 2},     {"ts", 2},    {"pf", 0.5},  {"ʃ t", 2},   {"ʃ p", 1},
-                                    {"k l", 0.5}, {"f ʁ", 0.5}, {"t ʁ", 0.5}, {"ʃ v", 0.4}, {"ʔ", 5}};
-constexpr Choice kGermanVowels[] = {{"a", 7},  {"ɪ", 7},   {"aɪ", 5}, {"ɛ", 6},   {"iː", 5}, {"ʊ", 4},
-                                    {"aː", 5}, {"eː", 5},  {"ɔ", 3},  {"uː", 3},  {"oː", 3}, {"aʊ", 3},
-                                    {"yː", 2}, {"ʏ", 1.5}, {"øː", 1}, {"œ", 0.7}, {"ɔʏ", 1}};
-constexpr Choice kGermanCodas[] = {{"n", 12}, {"ɐ", 4},   {"t", 6},   {"s", 5},   {"l", 3},  {"m", 3},
-                                   {"ç", 4},  {"x", 3},   {"k", 2},   {"f", 1.5}, {"ŋ", 2},  {"p", 1},
-                                   {"ʃ", 1},  {"s t", 2}, {"n t", 3}, {"ts", 1},  {"ç t", 1}};
-
-constexpr Choice kSpanishOnsets[] = {
-    {"s", 7},   {"d", 6},   {"k", 6},     {"t", 6},     {"m", 5},   {"l", 6},   {"p", 5},
-    {"n", 4},   {"ɾ", 5},   {"b", 4},     {"β", 2},     {"ð", 3},   {"ɡ", 1},   {"ɣ", 1},
-    {"f", 1},   {"x", 1},   {"tʃ", 0.5},  {"r", 1},     {"θ", 2},   {"ʝ", 0.5}, {"ɲ", 0.4},
-    {"p ɾ", 1}, {"t ɾ", 1}, {"k l", 0.3}, {"b l", 0.3}, {"w", 0.7}, {"j", 0.7}};
-constexpr Choice kSpanishVowels[] = {{"e", 13},   {"a", 12}, {"o", 10},   {"i", 6},    {"u", 3},
-                                     {"je", 1.5}, {"we", 1}, {"ei", 0.6}, {"ai", 0.4}, {"au", 0.3}};
-constexpr Choice kSpanishCodas[] = {{"s", 8}, {"n", 7}, {"ɾ", 4}, {"l", 3}, {"m", 1}, {"ð", 0.5}};
-
-constexpr Choice kJapaneseOnsets[] = {{"k", 9},   {"t", 7},     {"n", 7},    {"s", 5},  {"ɾ", 5}, {"m", 5},
-                                      {"d", 3},   {"ɡ", 3},     {"ɕ", 5},    {"h", 3},  {"w", 2}, {"j", 2},
-                                      {"dʑ", 2},  {"tɕ", 2},    {"b", 1.5},  {"ts", 2}, {"z", 1}, {"ɸ", 1},
-                                      {"p", 0.4}, {"k j", 0.5}, {"ɾ j", 0.3}};
-constexpr Choice kJapaneseVowels[] = {{"a", 10}, {"i", 8},  {"ɯ", 7},    {"e", 6}, {"o", 9},
-                                      {"oː", 3}, {"eː", 2}, {"aː", 0.6}, {"ɯː", 1}};
-constexpr Choice kJapaneseCodas[] = {{"ɴ", 6}, {"m", 1}, {"ʔ", 2}};
-
-constexpr Choice kFrenchOnsets[] = {{"l", 7},   {"s", 6},   {"d", 6},   {"ʁ", 6},     {"t", 5},    {"p", 5},
-                                    {"k", 5},   {"m", 5},   {"n", 4},   {"v", 4},     {"f", 2},    {"b", 2},
-                                    {"ʒ", 3},   {"z", 2},   {"ʃ", 1},   {"ɡ", 1},     {"j", 2},    {"w", 2},
-                                    {"ɥ", 0.7}, {"p ʁ", 1}, {"t ʁ", 1}, {"p l", 0.5}, {"b l", 0.4}};
-constexpr Choice kFrenchVowels[] = {{"a", 8}, {"e", 7}, {"i", 6}, {"ɛ", 5}, {"ə", 5},
-                                    {"ɑ̃", 4}, {"y", 3}, {"u", 3}, {"ɔ̃", 3}, {"o", 3},
-                                    {"ɔ", 2}, {"ɛ̃", 2}, {"ø", 1}, {"œ", 1}, {"œ̃", 0.5}};
-constexpr Choice kFrenchCodas[] = {{"ʁ", 6},   {"l", 3},   {"t", 2},   {"s", 2},   {"z", 1.5}, {"k", 1.5},
-                                   {"m", 1.5}, {"n", 1.5}, {"p", 0.7}, {"b", 0.3}, {"ʒ", 1},   {"j", 1}};
-
-constexpr Choice kMandarinOnsets[] = {{"t", 8},    {"ʂ", 5},   {"l", 4},   {"tɕ", 5},  {"ɕ", 4},    {"j", 6},
-                                      {"w", 4},    {"k", 4},   {"p", 4},   {"m", 3},   {"ʈʂ", 4},   {"tʰ", 3},
-                                      {"x", 4},    {"n", 3},   {"tɕʰ", 3}, {"ɻ", 2},   {"f", 2},    {"kʰ", 2},
-                                      {"pʰ", 1.5}, {"ʈʂʰ", 2}, {"ts", 2},  {"s", 1.5}, {"tsʰ", 1.5}};
-constexpr Choice kMandarinVowels[] = {{"a", 8},   {"i", 8},   {"ɤ", 7},   {"ə", 6},  {"u", 6}, {"ai", 4},
-                                      {"au", 4},  {"ou", 4},  {"ei", 3},  {"wo", 4}, {"y", 2}, {"jɛ", 2},
-                                      {"wei", 2}, {"jou", 2}, {"ɚ", 0.5}, {"ɻ̩", 3}};
-constexpr Choice kMandarinCodas[] = {{"n", 6}, {"ŋ", 5}};
-
-constexpr Language kLanguages[] = {
-    {"en", 6.2, 0.55, 0.85, 0.55, "ə", kEnglishOnsets, kEnglishVowels, kEnglishCodas},
-    {"de", 6.0, 0.50, 0.92, 0.60, "ə", kGermanOnsets, kGermanVowels, kGermanCodas},
-    {"es", 7.8, 0.25, 0.85, 0.25, "", kSpanishOnsets, kSpanishVowels, kSpanishCodas},
-    {"fr", 7.2, 0.10, 0.88, 0.22, "", kFrenchOnsets, kFrenchVowels, kFrenchCodas},
-    {"ja", 7.8, 0.05, 0.88, 0.12, "", kJapaneseOnsets, kJapaneseVowels, kJapaneseCodas},
-    {"cmn", 5.2, 0.15, 0.92, 0.28, "", kMandarinOnsets, kMandarinVowels, kMandarinCodas}};
-
-constexpr auto kCodes = [] {
-  std::array<std::string_view, std::size(kLanguages)> codes;
-  for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = kLanguages[i].code;
-  return codes;
-}();
-
 const Language& find_language(std::string_view code) {
   // "en-gb" is spoken as "en".
   const std::string_view base = code.substr(0, code.find('-'));
-  for (const Language& language : kLanguages)
-    if (language.code == base) return language;
-  return kLanguages[0];
+  const auto found = std::ranges::find(tables().languages, base, &Language::code);
+  return found != tables().languages.end() ? *found : tables().languages.front();
 }
 
 std::string_view pick(std::span<const Choice> choices, Random& random) {
@@ -196,7 +99,12 @@ void add_syllable(const Language& language, bool stressed, double lengthening, U
 }  // namespace
 
 std::span<const std::string_view> languages() {
-  return kCodes;
+  static const std::vector<std::string_view> codes = [] {
+    std::vector<std::string_view> all;
+    for (const Language& language : tables().languages) all.emplace_back(language.code);
+    return all;
+  }();
+  return codes;
 }
 
 Result<Utterance> parse_utterance(std::string_view json) {
@@ -241,8 +149,7 @@ Result<Utterance> parse_utterance(std::string_view json) {
 
 Utterance random_utterance(std::string_view language_code, double seconds, double rate, Random& random) {
   const Language& language = find_language(language_code);
-  Utterance utterance{
-      .language = std::string(language.code), .text = {}, .phonemes = {}, .duration_s = seconds};
+  Utterance utterance{.language = language.code, .text = {}, .phonemes = {}, .duration_s = seconds};
   double now_s = random.uniform(0.05, 0.3);
   bool sentence_ends = false;
   while (now_s < seconds) {

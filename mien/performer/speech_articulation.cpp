@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "mien/core/units.h"
@@ -104,99 +105,55 @@ struct Ask {
   float amount;
 };
 
-Articulation articulate(float jaw_dominance, float lip_dominance, std::initializer_list<Ask> asks,
-                        float closure = 0) {
-  Articulation a;
-  for (const Ask& ask : asks) a.target[ask.gesture] = ask.amount;
-  a.jaw_dominance = jaw_dominance;
-  a.lip_dominance = lip_dominance;
-  a.closure = closure;
-  return a;
+/// Consonants that look alike; other targets are 0.
+struct Consonants {
+  std::u32string_view letters;
+  float jaw_dominance, lip_dominance;
+  std::vector<Ask> asks;
+  float closure = 0;
+};
+
+const std::vector<Consonants>& consonants() {
+  static const std::vector<Consonants> all = {
+      {U"pbmʙ", 0.8F, 1, {{jaw, 0.07F}, {press, 0.35F}, {roll_lower, 0.15F}, {roll_upper, 0.10F}}, 1},
+      {U"ɸβ", 0.6F, 0.7F, {{jaw, 0.07F}, {press, 0.1F}, {funnel, 0.1F}}, 0.5F},
+      {U"fvʋɱⱱ", 0.8F, 1, {{jaw, 0.06F}, {roll_lower, 0.4F}, {upper_up, 0.2F}, {shrug_lower, 0.15F}}},
+      {U"θð", 0.6F, 0.4F, {{jaw, 0.11F}, {lower_down, 0.2F}, {tongue, 0.3F}}},
+      {U"sz",
+       1,
+       0.6F,
+       {{jaw, 0.04F}, {stretch, 0.2F}, {lower_down, 0.25F}, {upper_up, 0.08F}, {dimple, 0.08F}}},
+      {U"ʃʒʂʐɻ",
+       1,
+       0.9F,
+       {{jaw, 0.06F}, {funnel, 0.45F}, {pucker, 0.25F}, {lower_down, 0.2F}, {upper_up, 0.2F}}},
+      {U"ɕʑçʝ", 0.9F, 0.5F, {{jaw, 0.05F}, {funnel, 0.15F}, {stretch, 0.15F}, {lower_down, 0.2F}}},
+      {U"tdnɾʈɖɳ", 0.6F, 0.25F, {{jaw, 0.09F}, {lower_down, 0.18F}, {upper_up, 0.05F}}},
+      {U"lɫɭɬ", 0.5F, 0.25F, {{jaw, 0.14F}, {lower_down, 0.2F}, {tongue, 0.1F}}},
+      {U"ɹɽ", 0.5F, 0.7F, {{jaw, 0.12F}, {pucker, 0.3F}, {funnel, 0.25F}}},
+      {U"r", 0.5F, 0.3F, {{jaw, 0.12F}, {lower_down, 0.15F}}},
+      {U"kɡgŋxɣqχʁcɢɴʀɟ", 0.35F, 0.15F, {{jaw, 0.14F}, {lower_down, 0.12F}}},
+      {U"wʍ", 0.7F, 1, {{jaw, 0.08F}, {pucker, 0.85F}, {funnel, 0.3F}}},
+      {U"ɥ", 0.7F, 1, {{jaw, 0.07F}, {pucker, 0.75F}, {funnel, 0.2F}}},
+      {U"jʎɲ", 0.6F, 0.4F, {{jaw, 0.07F}, {stretch, 0.2F}, {smile, 0.1F}, {lower_down, 0.1F}}},
+  };
+  return all;
 }
 
 /// Nothing for marks and for sounds that leave the mouth as it is.
 std::optional<Articulation> articulation_of(char32_t letter) {
   for (const Vowel& vowel : kVowels)
     if (vowel.letter == letter) return articulate_vowel(vowel);
-  switch (letter) {
-    case U'p':
-    case U'b':
-    case U'm':
-    case U'ʙ':
-      return articulate(0.8F, 1, {{jaw, 0.07F}, {press, 0.35F}, {roll_lower, 0.15F}, {roll_upper, 0.10F}}, 1);
-    case U'ɸ':
-    case U'β':
-      return articulate(0.6F, 0.7F, {{jaw, 0.07F}, {press, 0.1F}, {funnel, 0.1F}}, 0.5F);
-    case U'f':
-    case U'v':
-    case U'ʋ':
-    case U'ɱ':
-    case U'ⱱ':
-      return articulate(0.8F, 1, {{jaw, 0.06F}, {roll_lower, 0.4F}, {upper_up, 0.2F}, {shrug_lower, 0.15F}});
-    case U'θ':
-    case U'ð':
-      return articulate(0.6F, 0.4F, {{jaw, 0.11F}, {lower_down, 0.2F}, {tongue, 0.3F}});
-    case U's':
-    case U'z':
-      return articulate(
-          1, 0.6F, {{jaw, 0.04F}, {stretch, 0.2F}, {lower_down, 0.25F}, {upper_up, 0.08F}, {dimple, 0.08F}});
-    case U'ʃ':
-    case U'ʒ':
-    case U'ʂ':
-    case U'ʐ':
-    case U'ɻ':
-      return articulate(
-          1, 0.9F, {{jaw, 0.06F}, {funnel, 0.45F}, {pucker, 0.25F}, {lower_down, 0.2F}, {upper_up, 0.2F}});
-    case U'ɕ':
-    case U'ʑ':
-    case U'ç':
-    case U'ʝ':
-      return articulate(0.9F, 0.5F, {{jaw, 0.05F}, {funnel, 0.15F}, {stretch, 0.15F}, {lower_down, 0.2F}});
-    case U't':
-    case U'd':
-    case U'n':
-    case U'ɾ':
-    case U'ʈ':
-    case U'ɖ':
-    case U'ɳ':
-      return articulate(0.6F, 0.25F, {{jaw, 0.09F}, {lower_down, 0.18F}, {upper_up, 0.05F}});
-    case U'l':
-    case U'ɫ':
-    case U'ɭ':
-    case U'ɬ':
-      return articulate(0.5F, 0.25F, {{jaw, 0.14F}, {lower_down, 0.2F}, {tongue, 0.1F}});
-    case U'ɹ':
-    case U'ɽ':
-      return articulate(0.5F, 0.7F, {{jaw, 0.12F}, {pucker, 0.3F}, {funnel, 0.25F}});
-    case U'r':
-      return articulate(0.5F, 0.3F, {{jaw, 0.12F}, {lower_down, 0.15F}});
-    case U'k':
-    case U'ɡ':
-    case U'g':
-    case U'ŋ':
-    case U'x':
-    case U'ɣ':
-    case U'q':
-    case U'χ':
-    case U'ʁ':
-    case U'c':
-    case U'ɢ':
-    case U'ɴ':
-    case U'ʀ':
-    case U'ɟ':
-      return articulate(0.35F, 0.15F, {{jaw, 0.14F}, {lower_down, 0.12F}});
-    case U'w':
-    case U'ʍ':
-      return articulate(0.7F, 1, {{jaw, 0.08F}, {pucker, 0.85F}, {funnel, 0.3F}});
-    case U'ɥ':
-      return articulate(0.7F, 1, {{jaw, 0.07F}, {pucker, 0.75F}, {funnel, 0.2F}});
-    case U'j':
-    case U'ʎ':
-    case U'ɲ':
-      return articulate(0.6F, 0.4F, {{jaw, 0.07F}, {stretch, 0.2F}, {smile, 0.1F}, {lower_down, 0.1F}});
-    default:
-      return std::nullopt;
+  for (const Consonants& alike : consonants()) {
+    if (!alike.letters.contains(letter)) continue;
+    Articulation a;
+    for (const Ask& ask : alike.asks) a.target[ask.gesture] = ask.amount;
+    a.jaw_dominance = alike.jaw_dominance;
+    a.lip_dominance = alike.lip_dominance;
+    a.closure = alike.closure;
+    return a;
   }
+  return std::nullopt;
 }
 
 /// Letters of a UTF-8 text; broken bytes are skipped.

@@ -1,10 +1,9 @@
 #include "mien/performer/style.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string_view>
 
-#include "mien/performer/canvas.h"
+#include "mien/performer/tables.h"
 
 namespace mien::performer {
 
@@ -14,63 +13,6 @@ using face::shape;
 
 namespace {
 
-/// A coupling by anatomy: muscles that share fibres, skin that drags skin. For both sides of sided stems.
-struct Tendency {
-  std::string_view from;
-  std::string_view to;
-  float amount;  // Mean over people.
-};
-
-// From the facial muscles: zygomaticus major lifts the cheek and narrows the eye; frontalis is one sheet;
-// levator labii alaeque nasi moves nostril and upper lip; mentalis pushes both lips; the open jaw drags the
-// lower lip. Amounts are a judgement, each person's is 0 to 2 times it.
-constexpr Tendency kTendencies[] = {
-    {"mouthSmile", "cheekSquint", 0.35F},      {"mouthSmile", "mouthDimple", 0.15F},
-    {"mouthSmile", "mouthUpperUp", 0.12F},     {"mouthSmile", "mouthStretch", 0.10F},
-    {"cheekSquint", "eyeSquint", 0.40F},       {"cheekSquint", "mouthUpperUp", 0.10F},
-    {"browInnerUp", "browOuterUp", 0.40F},     {"browOuterUp", "browInnerUp", 0.40F},
-    {"browOuterUp", "eyeWide", 0.12F},         {"browDown", "eyeSquint", 0.20F},
-    {"browDown", "noseSneer", 0.10F},          {"noseSneer", "browDown", 0.20F},
-    {"noseSneer", "mouthUpperUp", 0.30F},      {"noseSneer", "cheekSquint", 0.30F},
-    {"eyeSquint", "cheekSquint", 0.20F},       {"mouthUpperUp", "noseSneer", 0.20F},
-    {"mouthFrown", "mouthStretch", 0.10F},     {"mouthStretch", "mouthFrown", 0.10F},
-    {"mouthStretch", "mouthLowerDown", 0.15F}, {"mouthPress", "mouthDimple", 0.10F},
-    {"mouthDimple", "mouthPress", 0.15F},
-};
-constexpr Tendency kMiddleTendencies[] = {
-    {"mouthPucker", "mouthFunnel", 0.15F},
-    {"mouthFunnel", "mouthPucker", 0.15F},
-    {"mouthShrugLower", "mouthShrugUpper", 0.45F},
-    {"mouthRollLower", "mouthRollUpper", 0.25F},
-    {"mouthRollUpper", "mouthRollLower", 0.20F},
-    {"jawLeft", "mouthLeft", 0.25F},
-    {"jawRight", "mouthRight", 0.25F},
-    {"mouthLeft", "jawLeft", 0.15F},
-    {"mouthRight", "jawRight", 0.15F},
-    {"jawForward", "mouthShrugLower", 0.12F},
-    {"jawOpen", "mouthLowerDown_L", 0.12F},
-    {"jawOpen", "mouthLowerDown_R", 0.12F},
-    {"jawOpen", "mouthStretch_L", 0.06F},
-    {"jawOpen", "mouthStretch_R", 0.06F},
-    {"mouthLeft", "mouthSmile_L", 0.15F},
-    {"mouthRight", "mouthSmile_R", 0.15F},
-    {"mouthLeft", "mouthDimple_L", 0.15F},
-    {"mouthRight", "mouthDimple_R", 0.15F},
-    {"mouthShrugLower", "mouthFrown_L", 0.10F},
-    {"mouthShrugLower", "mouthFrown_R", 0.10F},
-    {"cheekPuff_L", "mouthPress_L", 0.15F},
-    {"cheekPuff_R", "mouthPress_R", 0.15F},
-    {"cheekPuff_L", "mouthPucker", 0.08F},
-    {"cheekPuff_R", "mouthPucker", 0.08F},
-};
-
-bool is_eye_look(std::size_t k) {
-  return kShapeNames[k].starts_with("eyeLook");
-}
-/// Driven by their own models, or a corrective: never coupled.
-bool is_led(std::size_t k) {
-  return is_eye_look(k) || k == shape("mouthClose");
-}
 void draw_gains(Style& style, Random random) {
   for (std::size_t k = 0; k < kShapeCount; ++k) {
     const std::size_t twin = other_side(k);
@@ -94,7 +36,7 @@ void draw_rest(Style& style, Random random) {
   // Most shapes rest near nothing, some well above: how people's faces hang, and how trackers see them.
   const double level = 0.035 * random.log_normal(0.5);
   for (std::size_t k = 0; k < kShapeCount; ++k) {
-    if (is_eye_look(k) || k == shape("mouthClose")) continue;
+    if (is_led(k)) continue;
     const std::size_t twin = other_side(k);
     if (twin < k) {
       style.rest[k] = static_cast<float>(style.rest[twin] * random.log_normal(0.15));
@@ -124,16 +66,15 @@ void add_habit(Style& style, std::size_t from, std::size_t to, double amount) {
 }
 
 void draw_habits(Style& style, Random random) {
-  for (const Tendency& t : kTendencies) {
-    const Pose from = pose_of({{t.from, 1}});
-    const Pose to = pose_of({{t.to, 1}});
-    const double amount = t.amount * random.uniform(0, 2);
-    for (std::size_t side = 0; side < 2; ++side)
-      add_habit(style, from[side].shape, to[side].shape, amount * random.log_normal(0.15));
+  for (const Coupling& coupling : tables().couplings) {
+    const double amount = coupling.amount * random.uniform(0, 2);
+    if (coupling.from.size() == 1)
+      add_habit(style, coupling.from[0].shape, coupling.to[0].shape, amount);
+    else
+      for (std::size_t side = 0; side < 2; ++side)
+        add_habit(style, coupling.from[side].shape, coupling.to[side].shape,
+                  amount * random.log_normal(0.15));
   }
-  for (const Tendency& t : kMiddleTendencies)
-    add_habit(style, pose_of({{t.from, 1}})[0].shape, pose_of({{t.to, 1}})[0].shape,
-              t.amount * random.uniform(0, 2));
   // Slight random couplings, most of them about the mouth, where all muscles pull at the same ring.
   const auto count = 20 + random.below(40);
   for (std::uint64_t i = 0; i < count; ++i) {

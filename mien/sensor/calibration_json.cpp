@@ -24,7 +24,7 @@ bool read_flag(const json& object, const char* key, bool& out) {
   return true;
 }
 
-bool read_text(const json& object, const char* key, std::string& out) {
+bool read_string(const json& object, const char* key, std::string& out) {
   const auto it = object.find(key);
   if (it == object.end() || !it->is_string()) return false;
   out = it->get<std::string>();
@@ -43,9 +43,9 @@ Result<std::vector<Score>> read_scores(const json& list, const std::string& wher
   std::vector<Score> scores;
   for (const json& item : list) {
     Score s;
-    if (!item.is_object() || !read_text(item, "name", s.name) || !read_number(item, "value", s.value) ||
-        !read_text(item, "unit", s.unit) || !read_flag(item, "pass", s.pass) ||
-        !read_text(item, "sentence", s.sentence))
+    if (!item.is_object() || !read_string(item, "name", s.name) || !read_number(item, "value", s.value) ||
+        !read_string(item, "unit", s.unit) || !read_flag(item, "pass", s.pass) ||
+        !read_string(item, "sentence", s.sentence))
       return fail(ErrorCode::malformed, fmt::format("score {} is not a score", scores.size()), where);
     scores.push_back(std::move(s));
   }

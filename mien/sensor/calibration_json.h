@@ -14,7 +14,7 @@ namespace mien::sensor {
 /// is of no meaning.
 [[nodiscard]] bool read_number(const nlohmann::json& object, const char* key, double& out);
 [[nodiscard]] bool read_flag(const nlohmann::json& object, const char* key, bool& out);
-[[nodiscard]] bool read_text(const nlohmann::json& object, const char* key, std::string& out);
+[[nodiscard]] bool read_string(const nlohmann::json& object, const char* key, std::string& out);
 
 /// A list of objects; read_scores takes it back to equal ones.
 [[nodiscard]] nlohmann::json scores_json(const std::vector<Score>& scores);

@@ -27,36 +27,38 @@ Result<double> number(const toml::node& node, std::string_view key, const std::s
 
 }  // namespace
 
-Result<void> check_limits(std::initializer_list<FaultLimit> limits, const std::string& where) {
-  for (const FaultLimit& limit : limits)
-    if (limit.value < limit.least || limit.value > limit.most)
-      return fail(ErrorCode::out_of_range,
-                  fmt::format("{} must be {:g} to {:g}", limit.key, limit.least, limit.most), where);
-  return {};
-}
-
-Result<void> FaultTable::read(std::string_view text, const std::string& where) const {
+Result<void> read_fault_table(nlohmann::json& magnitudes, std::string_view text, const std::string& where,
+                              std::span<const FaultLimit> limits) {
   MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, where + ", [faults]"));
   for (const auto& [name, node] : table) {
     const std::string_view key = name.str();
-    if (const auto found = numbers.find(key); found != numbers.end()) {
-      MIEN_TRY_ASSIGN(*found->second, number(node, key, where));
-    } else if (const auto range = ranges.find(key); range != ranges.end()) {
+    const auto found = magnitudes.find(key);
+    if (found == magnitudes.end())
+      return fail(ErrorCode::malformed, fmt::format("there is no fault named {}", excerpt(key)), where);
+    if (found->is_number()) {
+      MIEN_TRY_ASSIGN(*found, number(node, key, where));
+    } else if (found->is_array()) {
       const toml::array* pair = node.as_array();
       if (pair == nullptr || pair->size() != 2)
         return fail(ErrorCode::malformed, fmt::format("{} must be [least, most]", key), where);
       for (std::size_t i = 0; i < 2; ++i) {
-        MIEN_TRY_ASSIGN((*range->second)[i], number((*pair)[i], key, where));
+        MIEN_TRY_ASSIGN((*found)[i], number((*pair)[i], key, where));
       }
-      if ((*range->second)[1] < (*range->second)[0])
+      if ((*found)[1] < (*found)[0])
         return fail(ErrorCode::out_of_range, fmt::format("{}: the most is less than the least", key), where);
-    } else if (const auto turned = switches.find(key); turned != switches.end()) {
+    } else {
       if (!node.is_boolean())
         return fail(ErrorCode::malformed, fmt::format("{} must be true or false", key), where);
-      *turned->second = *node.value<bool>();
-    } else {
-      return fail(ErrorCode::malformed, fmt::format("there is no fault named {}", excerpt(key)), where);
+      *found = *node.value<bool>();
     }
+  }
+  for (const FaultLimit& limit : limits) {
+    const nlohmann::json& held = magnitudes.at(limit.key);
+    const double least = (held.is_array() ? held[0] : held).get<double>();
+    const double most = (held.is_array() ? held[1] : held).get<double>();
+    if (least < limit.least || most > limit.most)
+      return fail(ErrorCode::out_of_range,
+                  fmt::format("{} must be {:g} to {:g}", limit.key, limit.least, limit.most), where);
   }
   return {};
 }

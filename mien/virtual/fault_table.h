@@ -1,8 +1,7 @@
 #pragma once
 
-#include <array>
-#include <initializer_list>
-#include <map>
+#include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -10,24 +9,27 @@
 
 namespace mien::virt {
 
-/// Between what a magnitude is held.
+/// Between what a magnitude is held, of a pair both ends.
 struct FaultLimit {
   std::string_view key;
-  double value = 0, least = 0, most = 0;
+  double least = 0, most = 0;
 };
-/// Errors: out_of_range, of the first that is beyond its limits. `where` names the source.
-[[nodiscard]] Result<void> check_limits(std::initializer_list<FaultLimit> limits, const std::string& where);
 
-/// Where the magnitudes of a rig file's [faults] table go, by their keys: numbers, pairs of a least and a
-/// most, and switches. A key that the table lacks keeps its value.
-struct FaultTable {
-  std::map<std::string_view, double*> numbers;
-  std::map<std::string_view, std::array<double, 2>*> ranges;
-  std::map<std::string_view, bool*> switches;
+/// Reads a rig file's [faults] table onto magnitudes by their keys: numbers, pairs of a least and a most, and
+/// switches. A key that the table lacks keeps its value. Errors: malformed (TOML, unknown keys, values of
+/// another type); out_of_range (a number that is not finite, negative, above 1e6 or beyond its limits, a
+/// range whose most is less than its least). `where` names the source.
+[[nodiscard]] Result<void> read_fault_table(nlohmann::json& magnitudes, std::string_view toml,
+                                            const std::string& where, std::span<const FaultLimit> limits);
 
-  /// Errors: malformed (TOML, unknown keys, values of another type); out_of_range (a number that is not
-  /// finite, negative or above 1e6, a range whose most is less than its least). `where` names the source.
-  [[nodiscard]] Result<void> read(std::string_view toml, const std::string& where) const;
-};
+/// The same onto the defaults of a struct that NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE lists: members of the types
+/// double, std::array<double, 2> and bool.
+template <class Faults>
+[[nodiscard]] Result<Faults> parse_fault_table(std::string_view toml, const std::string& where,
+                                               std::span<const FaultLimit> limits) {
+  nlohmann::json magnitudes = Faults();
+  MIEN_TRY(read_fault_table(magnitudes, toml, where, limits));
+  return magnitudes.get<Faults>();
+}
 
 }  // namespace mien::virt

@@ -50,7 +50,6 @@ class Way {
       out.time = arrival(datagram.time);
       damage(out.bytes);
       if (lost) continue;
-      if (!settings_.overtaking) out.time = newest_ = std::max(newest_, out.time);
       arrived.push_back(std::move(out));
     }
   }
@@ -94,7 +93,6 @@ class Way {
   Random corrupt_;
   Random truncate_;
   bool shut_ = false;
-  HostTime newest_ = HostTime::min();
 };
 
 }  // namespace

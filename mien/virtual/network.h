@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "mien/core/error.h"
@@ -22,13 +21,11 @@ struct NetworkSettings {
   double burst_share = 0;
   double burst_length = 10;
   /// Every datagram takes this long, and a random time more: of this mean, or evenly up to twice it. 0 to 10
-  /// s.
+  /// s. One may overtake those that its source sent before.
   double lag_ms = 0;
   double jitter_ms = 0;
   enum class Jitter : std::uint8_t { exponential, uniform };
   Jitter jitter = Jitter::exponential;
-  /// A datagram may overtake those that its source sent before. Else each waits for those.
-  bool overtaking = true;
   double duplicated = 0;  ///< Share that arrives twice, each on a way of its own; 0 to 1.
   double corrupted = 0;   ///< Share with one to four bytes changed; 0 to 1.
   double truncated = 0;   ///< Share of which only a beginning arrives, maybe none of it; 0 to 1.

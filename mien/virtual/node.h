@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "mien/core/error.h"
 #include "mien/core/time.h"
 
 namespace mien::virt {

@@ -1,7 +1,5 @@
 #include "mien/virtual/performance.h"
 
-#include <utility>
-
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/performer/head_motion.h"
 #include "mien/performer/performer.h"

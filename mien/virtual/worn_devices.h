@@ -54,6 +54,11 @@ enum class NodeLanguage {
 struct PlayedMotion {
   const face::MotionCurve& curve;
   const std::optional<performer::Encore>& encore;  ///< None: played once.
+
+  /// At a true time, s.
+  [[nodiscard]] face::MotionFrame at(double true_s) const {
+    return encore ? encore->at(curve, true_s) : curve.at(true_s);
+  }
 };
 
 /// A performer's sensors on the network: their simulation, which runs a little ahead of the performance and

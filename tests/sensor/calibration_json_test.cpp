@@ -37,14 +37,14 @@ TEST(CalibrationJson, ReadsEntriesOfTheirKindOnly) {
   std::string text;
   EXPECT_TRUE(read_number(object, "number", number));
   EXPECT_TRUE(read_flag(object, "flag", flag));
-  EXPECT_TRUE(read_text(object, "text", text));
+  EXPECT_TRUE(read_string(object, "text", text));
   EXPECT_EQ(number, 2.5);
   EXPECT_TRUE(flag);
   EXPECT_EQ(text, "x");
   EXPECT_FALSE(read_number(object, "text", number));
   EXPECT_FALSE(read_number(object, "none", number));
   EXPECT_FALSE(read_flag(object, "number", flag));
-  EXPECT_FALSE(read_text(object, "flag", text));
+  EXPECT_FALSE(read_string(object, "flag", text));
 }
 
 }  // namespace

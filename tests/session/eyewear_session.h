@@ -8,8 +8,9 @@
 #include "mien/eyewear/eyewear_protocol.h"
 #include "mien/eyewear/eyewear_tracker.h"
 #include "mien/session/session.h"
-#include "mien/virtual/eyewear/eyewear_session.h"
 #include "mien/virtual/eyewear/eyewear_simulator.h"
+#include "mien/virtual/eyewear/worn_eyewear.h"
+#include "mien/virtual/stage.h"
 #include "tests/eyewear/glasses.h"
 #include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
@@ -74,9 +75,13 @@ inline std::unique_ptr<Session> eyewear_session() {
 
 /// A wearer who talks for `seconds` after a short prologue.
 inline virt::VirtualSession worn_performance(double seconds) {
-  const performer::PrologueMotion motion = performer::with_prologue(
-      virt::test::talking(static_cast<int>(60 * seconds)), performer::PrologueKind::brief, Random(3));
-  return virt::play_eyewear(motion, wearer(), glasses(), quiet_faults(), Random(11)).value();
+  virt::Stage stage;
+  stage.rig = glasses();
+  stage.worn = std::make_shared<virt::WornEyewear>(glasses(), quiet_faults(), wearer());
+  stage.motion = performer::with_prologue(virt::test::talking(static_cast<int>(60 * seconds)),
+                                          performer::PrologueKind::brief, Random(3));
+  stage.devices = Random(11);
+  return virt::play(stage).value();
 }
 
 }  // namespace mien::session::test

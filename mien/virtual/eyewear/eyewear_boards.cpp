@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <span>
 #include <utility>
 
 #include "mien/eyewear/packet.h"
+#include "mien/sensor/protocol.h"
 
 namespace mien::virt {
 namespace {

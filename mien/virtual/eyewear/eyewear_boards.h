@@ -8,7 +8,6 @@
 #include "mien/core/error.h"
 #include "mien/core/random.h"
 #include "mien/face/profile.h"
-#include "mien/sensor/protocol.h"
 #include "mien/sensor/rig.h"
 #include "mien/virtual/eyewear/eyewear_faults.h"
 #include "mien/virtual/eyewear/eyewear_simulator.h"

@@ -3,14 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
-#include "mien/core/error.h"
 #include "mien/core/random.h"
 #include "mien/eyewear/linearise.h"
 #include "mien/face/profile.h"
-#include "mien/sensor/rig.h"
 #include "mien/sensor/sample.h"
 #include "mien/virtual/eyewear/eyewear_faults.h"
 #include "mien/virtual/eyewear/eyewear_wearer.h"

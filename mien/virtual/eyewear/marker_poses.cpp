@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/eyewear/marker_model.h"

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-
 #include "mien/core/random.h"
 #include "mien/virtual/eyewear/eyewear_faults.h"
 

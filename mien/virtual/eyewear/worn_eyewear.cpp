@@ -1,10 +1,8 @@
 #include "mien/virtual/eyewear/worn_eyewear.h"
 
-#include <cstdint>
-
 #include "mien/virtual/eyewear/eyewear_boards.h"
-#include "mien/virtual/eyewear/eyewear_session.h"
 #include "mien/virtual/node.h"
+#include "mien/virtual/reception.h"
 #include "mien/virtual/speaking_node.h"
 
 namespace mien::virt {
@@ -13,36 +11,24 @@ namespace {
 /// A scan arrives this long after its end at the latest.
 constexpr double kOnTheWireS = 0.02;
 
-class EyewearOnNetwork final : public NodeDevices {
+class EyewearOnNetwork final : public SpeakingDevices {
  public:
   EyewearOnNetwork(EyewearBoards boards, const PlayedMotion& motion)
-      : boards_(std::move(boards)), motion_(motion), end_s_(motion.curve.duration_s() + kDeviceMarginS) {
+      : SpeakingDevices(motion, motion.curve.duration_s() + kDeviceMarginS), boards_(std::move(boards)) {
     for (std::size_t board = 0; board < boards_.count(); ++board) nodes_.emplace_back(boards_.device(board));
-  }
-  [[nodiscard]] std::vector<Node*> nodes() override {
-    std::vector<Node*> all;
-    for (SpeakingNode& node : nodes_) all.push_back(&node);
-    return all;
+    simulated_s_ = boards_.scanned_s();
   }
   [[nodiscard]] Result<void> simulate() override {
     sent_.clear();
-    MIEN_TRY(boards_.scan(
-        [this](double true_s) {
-          return (motion_.encore ? motion_.encore->at(motion_.curve, true_s) : motion_.curve.at(true_s))
-              .weights;
-        },
-        sent_));
+    MIEN_TRY(boards_.scan([this](double true_s) { return motion_.at(true_s).weights; }, sent_));
     for (Datagram& scan : sent_) nodes_[scan.source].hand_over(std::move(scan));
+    simulated_s_ = boards_.scanned_s();
     return {};
   }
-  [[nodiscard]] double simulated_s() const override { return boards_.scanned_s() - kOnTheWireS; }
-  [[nodiscard]] bool done() const override { return !motion_.encore && boards_.scanned_s() >= end_s_; }
+  [[nodiscard]] double simulated_s() const override { return simulated_s_ - kOnTheWireS; }
 
  private:
   EyewearBoards boards_;
-  std::vector<SpeakingNode> nodes_;
-  PlayedMotion motion_;
-  double end_s_;
   std::vector<Datagram> sent_;
 };
 
@@ -53,7 +39,13 @@ performer::PrologueNeeds WornEyewear::prologue(const Stage&) const {
 }
 
 Result<Sent> WornEyewear::send(const Stage& stage, const Progress&) const {
-  return send_eyewear(stage.motion, wearer_, rig_, faults_, stage.devices);
+  MIEN_TRY_ASSIGN(const face::MotionCurve curve, curve_of(stage.motion));
+  MIEN_TRY_ASSIGN(EyewearBoards boards, EyewearBoards::put_on(wearer_, rig_, faults_, stage.devices));
+  Sent sent;
+  while (boards.scanned_s() < curve.duration_s() + kDeviceMarginS)
+    MIEN_TRY(boards.scan([&](double true_s) { return curve.at(true_s).weights; }, sent.datagrams));
+  sent.reference = boards.clock();
+  return sent;
 }
 
 Result<std::unique_ptr<NodeDevices>> WornEyewear::on_network(const Stage& stage, const PlayedMotion& motion,

@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <utility>
-#include <vector>
 
 #include "mien/core/random.h"
 #include "mien/face/face.h"
@@ -24,6 +23,8 @@ class WornEyewear final : public WornDevices {
   [[nodiscard]] const EyewearWearer& wearer() const { return wearer_; }
 
   [[nodiscard]] performer::PrologueNeeds prologue(const Stage& stage) const override;
+  /// Errors: WornDevices::send()'s, those of EyewearBoards. Cost: about a second of one core for ten of
+  /// performance.
   [[nodiscard]] Result<Sent> send(const Stage& stage, const Progress& progress) const override;
   [[nodiscard]] Result<std::unique_ptr<NodeDevices>> on_network(const Stage& stage,
                                                                 const PlayedMotion& motion,

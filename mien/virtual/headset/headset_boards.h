@@ -6,12 +6,10 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "mien/core/error.h"
 #include "mien/core/random.h"
-#include "mien/core/time.h"
 #include "mien/sensor/protocol.h"
 #include "mien/sensor/rig.h"
 #include "mien/virtual/headset/headset_faults.h"

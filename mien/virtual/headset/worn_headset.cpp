@@ -41,8 +41,7 @@ Result<HeadsetBoards> WornHeadset::boards(const Stage& stage, int width, double 
 }
 
 HeadsetMoment WornHeadset::moment_at(const Stage& stage, const PlayedMotion& motion, double true_s) const {
-  const face::MotionFrame frame =
-      motion.encore ? motion.encore->at(motion.curve, std::max(0.0, true_s)) : motion.curve.at(true_s);
+  const face::MotionFrame frame = motion.at(motion.encore ? std::max(0.0, true_s) : true_s);
   HeadsetMoment moment;
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
     moment.pose.weights[k] = std::clamp(frame.weights[k], 0.0F, 1.0F);
@@ -57,12 +56,11 @@ HeadsetMoment WornHeadset::moment_at(const Stage& stage, const PlayedMotion& mot
 }
 
 Result<Sent> WornHeadset::send(const Stage& stage, const Progress& progress) const {
-  const face::Motion& motion = stage.motion.motion;
-  if (motion.frames.empty()) return fail(ErrorCode::bad_usage, "the motion has no frames", motion.name);
-  const face::MotionCurve curve(motion);
+  const std::string& name = stage.motion.motion.name;
+  MIEN_TRY_ASSIGN(const face::MotionCurve curve, curve_of(stage.motion));
   if (!(curve.duration_s() <= kLongestS))
     return fail(ErrorCode::out_of_range,
-                fmt::format("pictures of {:.0f} s do not fit into memory", curve.duration_s()), motion.name,
+                fmt::format("pictures of {:.0f} s do not fit into memory", curve.duration_s()), name,
                 fmt::format("film at most {:.0f} s at once, with the prologue", kLongestS));
   MIEN_TRY_ASSIGN(HeadsetBoards boards, this->boards(stage));
   const std::optional<performer::Encore> once;
@@ -74,7 +72,7 @@ Result<Sent> WornHeadset::send(const Stage& stage, const Progress& progress) con
   std::vector<bool> begun(boards.cameras());
   while (boards.shot_s() < end_s) {
     if (!progress(std::clamp(boards.shot_s() / end_s, 0.0, 1.0), "filming"))
-      return fail(ErrorCode::cancelled, "stopped", motion.name);
+      return fail(ErrorCode::cancelled, "stopped", name);
     pictures.clear();
     MIEN_TRY(boards.shoot(at, pictures));
     for (BoardPicture& picture : pictures) {

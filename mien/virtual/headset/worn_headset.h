@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "mien/core/random.h"
 #include "mien/face/face.h"

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "mien/core/error.h"
-#include "mien/core/time.h"
 #include "mien/imu/packets/packet.h"
 #include "mien/virtual/network.h"
 

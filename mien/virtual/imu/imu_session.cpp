@@ -4,10 +4,8 @@
 #include <utility>
 
 #include "mien/imu/packets/packet.h"
-#include "mien/virtual/imu/device_packet.h"
 #include "mien/virtual/imu/imu_simulator.h"
 #include "mien/virtual/node.h"
-#include "mien/virtual/prologue_record.h"
 #include "mien/virtual/reception.h"
 
 namespace mien::virt {
@@ -15,9 +13,7 @@ namespace mien::virt {
 Result<Sent> send_devices(const performer::PrologueMotion& motion, const std::vector<SkinSite>& sites,
                           const sensor::Rig& rig, const DeviceFaults& faults, const Random& random,
                           const Progress& progress) {
-  if (motion.motion.frames.empty())
-    return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);
-  const face::MotionCurve curve(motion.motion);
+  MIEN_TRY_ASSIGN(const face::MotionCurve curve, curve_of(motion));
   const SkinTrajectory trajectory =
       trace_skin(curve, sites, -kDeviceMarginS, curve.duration_s() + kDeviceMarginS);
 
@@ -48,9 +44,7 @@ Result<VirtualSession> play_devices(const performer::PrologueMotion& motion,
 
 Result<Sent> send_lab(const performer::PrologueMotion& motion, const std::vector<SkinSite>& sites,
                       const sensor::Rig& rig, const Random& random, double noise_rad) {
-  if (motion.motion.frames.empty())
-    return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);
-  const face::MotionCurve curve(motion.motion);
+  MIEN_TRY_ASSIGN(const face::MotionCurve curve, curve_of(motion));
   const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
   MIEN_TRY_ASSIGN(const std::vector<sensor::DeviceKey> devices, virtual_devices(rig));
   std::vector<Random> noise;

@@ -4,8 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "mien/core/error.h"
 #include "mien/core/random.h"
 #include "mien/core/time.h"
+#include "mien/sensor/protocol.h"
 #include "mien/sensor/sample.h"
 #include "mien/virtual/imu/device_faults.h"
 #include "mien/virtual/imu/skin_trajectory.h"
@@ -23,6 +25,12 @@ struct VirtualPacket {
   bool lost = false;                    ///< Sampled, and lost on the way.
   std::vector<sensor::Sample> samples;  ///< SampleKind::imu_raw, kSamplesPerPacket of them.
 };
+
+/// The datagram in which a node of our own sends these samples as this device, with the smallest ranges that
+/// reach the faults'. Errors: what the packet's encoder finds.
+[[nodiscard]] Result<std::vector<std::byte>> encode_device_packet(const VirtualPacket& packet,
+                                                                  const sensor::DeviceKey& device,
+                                                                  const DeviceFaults& faults);
 
 /// One IMU on the skin: everything that its faults drew, and what it has sampled so far.
 class ImuSimulator {

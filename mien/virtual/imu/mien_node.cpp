@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "mien/sensor/bindings.h"
-#include "mien/virtual/imu/device_packet.h"
 
 namespace mien::virt {
 

@@ -5,7 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -23,15 +22,12 @@ constexpr double kThinnestPatchM = 0.0005;
 
 using face::align_landmarks;
 using face::nearest_on_skin;
+using face::neutral_position;
 using face::skin_triangles;
 using face::SurfacePoint;
 
 Vec3 neutral(const face::Face& face, std::uint32_t vertex) {
   return face.neutral_m[vertex].cast<double>();
-}
-
-Vec3 at(const face::Face& face, const SurfacePoint& p) {
-  return face::neutral_position(face, p);
 }
 
 std::vector<std::uint32_t> triangles_near(const face::Face& face, std::span<const std::uint32_t> triangles,
@@ -76,7 +72,7 @@ Result<SkinSite> make_site(const face::Face& face, std::span<const std::uint32_t
                            const Vec3& target) {
   const std::vector<std::uint32_t> around = triangles_near(face, triangles, target, 0.04);
   const SurfacePoint centre = nearest_on_skin(face, around.empty() ? triangles : around, target);
-  const Vec3 centre_m = at(face, centre);
+  const Vec3 centre_m = neutral_position(face, centre);
   const auto& [a, b, c] = centre.vertex;
   const Vec3 facet = (neutral(face, b) - neutral(face, a)).cross(neutral(face, c) - neutral(face, a));
   const std::vector<std::uint32_t> near = triangles_near(face, triangles, centre_m, 0.02);
@@ -85,13 +81,13 @@ Result<SkinSite> make_site(const face::Face& face, std::span<const std::uint32_t
   SkinSite site;
   site.normal = facet.normalized();
   Vec3 mean = Vec3::Zero();
-  for (const SurfacePoint& p : points) mean += at(face, p);
+  for (const SurfacePoint& p : points) mean += neutral_position(face, p);
   mean /= static_cast<double>(points.size());
   site.position_m = mean;
   std::vector<Vec3> from(points.size());
   site.covariance.setZero();
   for (std::size_t i = 0; i < points.size(); ++i) {
-    from[i] = at(face, points[i]) - mean;
+    from[i] = neutral_position(face, points[i]) - mean;
     site.covariance += from[i] * from[i].transpose();
   }
   // Its two widths: a patch that is a point or a line has no orientation.
@@ -123,7 +119,6 @@ Result<SkinSite> make_site(const face::Face& face, std::span<const std::uint32_t
   return site;
 }
 
-/// The head that knows the sites by name; made once.
 /// The mount's site on the default built-in head.
 std::optional<Vec3> builtin_site(const sensor::Mount& mount) {
   if (mount.position_m) return mount.position_m;
@@ -135,7 +130,7 @@ std::optional<Vec3> builtin_site(const sensor::Mount& mount) {
 /// The same spot of skin on another identity of the built-in head: all of them share their triangles.
 Vec3 carry_to_identity(const Vec3& site, const face::Face& face) {
   const std::vector<std::uint32_t> triangles = skin_triangles(builtin_face::default_builtin());
-  return at(face, nearest_on_skin(builtin_face::default_builtin(), triangles, site));
+  return neutral_position(face, nearest_on_skin(builtin_face::default_builtin(), triangles, site));
 }
 
 }  // namespace

@@ -5,9 +5,7 @@
 #include <utility>
 
 #include "mien/core/time.h"
-#include "mien/virtual/imu/device_packet.h"
 #include "mien/virtual/node.h"
-#include "mien/virtual/prologue_record.h"
 
 namespace mien::virt {
 namespace {

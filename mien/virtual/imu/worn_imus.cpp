@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <string>
 #include <utility>
 
 #include "mien/virtual/imu/imu_node.h"
@@ -26,13 +25,9 @@ class ImusOnNetwork final : public NodeDevices {
  public:
   ImusOnNetwork(const Stage& stage, const sensor::Rig& rig, const DeviceFaults& faults,
                 const std::vector<SkinSite>& sites, const PlayedMotion& motion, NodeLanguage language)
-      : tracer_(
-            [motion](double time_s) {
-              return motion.encore ? motion.encore->at(motion.curve, time_s) : motion.curve.at(time_s);
-            },
-            sites, -kDeviceMarginS,
-            motion.encore ? std::numeric_limits<double>::infinity()
-                          : motion.curve.duration_s() + kDeviceMarginS) {
+      : tracer_([motion](double time_s) { return motion.at(time_s); }, sites, -kDeviceMarginS,
+                motion.encore ? std::numeric_limits<double>::infinity()
+                              : motion.curve.duration_s() + kDeviceMarginS) {
     for (std::size_t s = 0; s < sites.size(); ++s) {
       simulators_.emplace_back(faults, static_cast<std::uint16_t>(s), stage.devices.fork("sensor", s));
       const VirtualClock& clock = simulators_.back().clock();

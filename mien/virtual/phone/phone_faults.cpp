@@ -3,12 +3,11 @@
 #include "mien/virtual/fault_table.h"
 
 namespace mien::virt {
-namespace {
 
-constexpr double kMostPhoneDriftPpm = 1e4;  // A hundredth, as of other devices.
-constexpr double kLatestPhoneMs = 2'000;
-
-}  // namespace
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PhoneFaults, rate_hz, counts_sixtieths, clock_offset_s, clock_drift_ppm,
+                                   lag_ms, smoothing_ms, delay_ms, frames_dropped, face_loss_per_hour,
+                                   face_loss_s, face_lost_between_s, resting_offset, gain_error, noise,
+                                   noise_time_s)
 
 PhoneFaults usual_phone() {
   PhoneFaults faults;
@@ -26,34 +25,13 @@ PhoneFaults usual_phone() {
 }
 
 Result<PhoneFaults> parse_phone_faults(std::string_view text, const std::string& where) {
-  PhoneFaults faults;
-  const FaultTable table{{{"rate_hz", &faults.rate_hz},
-                          {"clock_drift_ppm", &faults.clock_drift_ppm},
-                          {"smoothing_ms", &faults.smoothing_ms},
-                          {"frames_dropped", &faults.frames_dropped},
-                          {"face_loss_per_hour", &faults.face_loss_per_hour},
-                          {"resting_offset", &faults.resting_offset},
-                          {"gain_error", &faults.gain_error},
-                          {"noise", &faults.noise},
-                          {"noise_time_s", &faults.noise_time_s}},
-                         {{"clock_offset_s", &faults.clock_offset_s},
-                          {"lag_ms", &faults.lag_ms},
-                          {"delay_ms", &faults.delay_ms},
-                          {"face_loss_s", &faults.face_loss_s},
-                          {"face_lost_between_s", &faults.face_lost_between_s}},
-                         {{"counts_sixtieths", &faults.counts_sixtieths}}};
-  MIEN_TRY(table.read(text, where));
+  static constexpr FaultLimit kLimits[] = {{"clock_drift_ppm", 0, 1e4}, {"lag_ms", 0, 2'000},
+                                           {"smoothing_ms", 0, 2'000},  {"delay_ms", 0, 2'000},
+                                           {"frames_dropped", 0, 1},    {"resting_offset", 0, 1},
+                                           {"gain_error", 0, 1},        {"noise", 0, 1}};
+  MIEN_TRY_ASSIGN(const PhoneFaults faults, parse_fault_table<PhoneFaults>(text, where, kLimits));
   if (faults.rate_hz != 60 && faults.rate_hz != 30)
     return fail(ErrorCode::out_of_range, "rate_hz must be 60 or 30", where);
-  MIEN_TRY(check_limits({{"clock_drift_ppm", faults.clock_drift_ppm, 0, kMostPhoneDriftPpm},
-                         {"lag_ms", faults.lag_ms[1], 0, kLatestPhoneMs},
-                         {"smoothing_ms", faults.smoothing_ms, 0, kLatestPhoneMs},
-                         {"delay_ms", faults.delay_ms[1], 0, kLatestPhoneMs},
-                         {"frames_dropped", faults.frames_dropped, 0, 1},
-                         {"resting_offset", faults.resting_offset, 0, 1},
-                         {"gain_error", faults.gain_error, 0, 1},
-                         {"noise", faults.noise, 0, 1}},
-                        where));
   return faults;
 }
 

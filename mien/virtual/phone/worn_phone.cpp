@@ -23,32 +23,23 @@ double film_ends_s(const face::MotionCurve& curve) {
   return curve.duration_s();
 }
 
-class PhoneOnNetwork final : public NodeDevices {
+class PhoneOnNetwork final : public SpeakingDevices {
  public:
   PhoneOnNetwork(PhoneSimulator phone, const PlayedMotion& motion)
-      : phone_(std::move(phone)), motion_(motion), end_s_(film_ends_s(motion.curve)) {}
-  [[nodiscard]] std::vector<Node*> nodes() override { return {&node_}; }
+      : SpeakingDevices(motion, film_ends_s(motion.curve)), phone_(std::move(phone)) {
+    nodes_.emplace_back(phone::kLiveLinkDevice);
+  }
   [[nodiscard]] Result<void> simulate() override {
     simulated_s_ += 1 / kFrameRateHz;
     sent_.clear();
     while (phone_.filmed_s() < simulated_s_)
-      phone_.film(
-          [this](double true_s) {
-            return motion_.encore ? motion_.encore->at(motion_.curve, true_s) : motion_.curve.at(true_s);
-          },
-          sent_);
-    for (Datagram& packet : sent_) node_.hand_over(std::move(packet));
+      phone_.film([this](double true_s) { return motion_.at(true_s); }, sent_);
+    for (Datagram& packet : sent_) nodes_.front().hand_over(std::move(packet));
     return {};
   }
-  [[nodiscard]] double simulated_s() const override { return simulated_s_; }
-  [[nodiscard]] bool done() const override { return !motion_.encore && simulated_s_ >= end_s_; }
 
  private:
   PhoneSimulator phone_;
-  SpeakingNode node_{phone::kLiveLinkDevice};
-  PlayedMotion motion_;
-  double end_s_;
-  double simulated_s_ = -kDeviceMarginS;
   std::vector<Datagram> sent_;
 };
 
@@ -63,9 +54,7 @@ performer::PrologueNeeds WornPhone::prologue(const Stage&) const {
 }
 
 Result<Sent> WornPhone::send(const Stage& stage, const Progress&) const {
-  const face::Motion& motion = stage.motion.motion;
-  if (motion.frames.empty()) return fail(ErrorCode::bad_usage, "the motion has no frames", motion.name);
-  const face::MotionCurve curve(motion);
+  MIEN_TRY_ASSIGN(const face::MotionCurve curve, curve_of(stage.motion));
   const auto performed = [&](double true_s) { return curve.at(true_s); };
   PhoneSimulator phone = phone_before(stage, faults_);
   Sent sent;

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
-#include "mien/sensor/bindings.h"
 #include "mien/speech/sound_block.h"
 #include "mien/virtual/node.h"
 #include "mien/virtual/reception.h"
@@ -27,21 +25,15 @@ std::vector<MicrophoneSimulator> simulators(const std::vector<std::uint64_t>& de
   return all;
 }
 
-class MicrophonesOnNetwork final : public NodeDevices {
+class MicrophonesOnNetwork final : public SpeakingDevices {
  public:
   MicrophonesOnNetwork(std::vector<MicrophoneSimulator> microphones,
                        const std::vector<std::uint64_t>& devices, const Stage& stage,
                        const PlayedMotion& motion)
-      : microphones_(std::move(microphones)),
-        motion_(motion),
-        start_s_(stage.motion.times.motion_start_s),
-        end_s_(motion.curve.duration_s() + kDeviceMarginS) {
+      : SpeakingDevices(motion, motion.curve.duration_s() + kDeviceMarginS),
+        microphones_(std::move(microphones)),
+        start_s_(stage.motion.times.motion_start_s) {
     for (const std::uint64_t device : devices) nodes_.emplace_back(device);
-  }
-  [[nodiscard]] std::vector<Node*> nodes() override {
-    std::vector<Node*> all;
-    for (SpeakingNode& node : nodes_) all.push_back(&node);
-    return all;
   }
   [[nodiscard]] Result<void> simulate() override {
     simulated_s_ += 1 / kFrameRateHz;
@@ -53,8 +45,6 @@ class MicrophonesOnNetwork final : public NodeDevices {
     }
     return {};
   }
-  [[nodiscard]] double simulated_s() const override { return simulated_s_; }
-  [[nodiscard]] bool done() const override { return !motion_.encore && simulated_s_ >= end_s_; }
 
  private:
   /// What is said comes again with the motion.
@@ -64,10 +54,7 @@ class MicrophonesOnNetwork final : public NodeDevices {
   }
 
   std::vector<MicrophoneSimulator> microphones_;
-  std::vector<SpeakingNode> nodes_;
-  PlayedMotion motion_;
-  double start_s_, end_s_;
-  double simulated_s_ = -kDeviceMarginS;
+  double start_s_;
   std::vector<Datagram> sent_;
 };
 
@@ -78,9 +65,8 @@ performer::PrologueNeeds WornMicrophones::prologue(const Stage&) const {
 }
 
 Result<Sent> WornMicrophones::send(const Stage& stage, const Progress&) const {
-  const face::Motion& motion = stage.motion.motion;
-  if (motion.frames.empty()) return fail(ErrorCode::bad_usage, "the motion has no frames", motion.name);
-  const double end_s = face::MotionCurve(motion).duration_s() + kDeviceMarginS;
+  MIEN_TRY_ASSIGN(const face::MotionCurve curve, curve_of(stage.motion));
+  const double end_s = curve.duration_s() + kDeviceMarginS;
   const auto motion_s = [start_s = stage.motion.times.motion_start_s](double true_s) {
     return true_s - start_s;
   };

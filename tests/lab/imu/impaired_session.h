@@ -8,7 +8,7 @@
 #include "lab/imu/impair.h"
 #include "mien/imu/packets/packet.h"
 #include "mien/sensor/bindings.h"
-#include "mien/virtual/imu/device_packet.h"
+#include "mien/virtual/imu/imu_simulator.h"
 #include "tests/virtual/three_sensors.h"
 
 namespace mien::lab::test {

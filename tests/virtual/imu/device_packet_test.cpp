@@ -1,5 +1,5 @@
 // The packets of virtual nodes, and the rig that knows them.
-#include "mien/virtual/imu/device_packet.h"
+#include "mien/virtual/imu/imu_simulator.h"
 
 #include <gtest/gtest.h>
 

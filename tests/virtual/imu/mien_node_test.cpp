@@ -5,7 +5,7 @@
 
 #include "mien/imu/packets/node_protocol.h"
 #include "mien/sensor/bindings.h"
-#include "mien/virtual/imu/device_packet.h"
+#include "mien/virtual/imu/imu_simulator.h"
 #include "tests/virtual/conversation.h"
 #include "tests/virtual/three_sensors.h"
 

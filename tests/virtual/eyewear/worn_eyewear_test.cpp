@@ -1,4 +1,4 @@
-#include "mien/virtual/eyewear/eyewear_session.h"
+#include "mien/virtual/eyewear/worn_eyewear.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,13 +8,12 @@
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/eyewear/packet.h"
 #include "mien/virtual/eyewear/eyewear_boards.h"
-#include "mien/virtual/eyewear/worn_eyewear.h"
 #include "mien/virtual/node_group.h"
 #include "mien/virtual/stage.h"
 #include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::virt::eyewear_session_test {
+namespace mien::virt::worn_eyewear_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -156,4 +155,4 @@ TEST(EyewearStage, IsSetByTheRigsKind) {
 }
 
 }  // namespace
-}  // namespace mien::virt::eyewear_session_test
+}  // namespace mien::virt::worn_eyewear_test
