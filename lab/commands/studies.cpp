@@ -85,7 +85,6 @@ void add_studies(app::Commands& commands) {
   add_study_motion(commands, study);
   add_study_placement(commands, study);
   add_study_sensors(commands, study);
-  add_study_settings(commands, study);
   add_study_speech(commands, study);
   add_study_trackers(commands, study);
   auto bound = std::make_shared<BoundOptions>();
