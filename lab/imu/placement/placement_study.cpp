@@ -303,7 +303,7 @@ Result<std::vector<TrainedPlacement>> train_placements(const PlacementTrainingRe
            }});
   }
   MIEN_TRY_ASSIGN(
-      const std::vector<ShortTrained> trained,
+      const std::vector<model::ModelFile> trained,
       train(trainings, solve::part_of_work(progress, kPlacementTestsShare, kPlacementTrainedShare)));
 
   const measure::Meter meter(builtin_face::default_builtin());
@@ -317,7 +317,7 @@ Result<std::vector<TrainedPlacement>> train_placements(const PlacementTrainingRe
       const double done = static_cast<double>(r * request.seeds + s) / static_cast<double>(trained.size());
       if (!progress(kPlacementTrainedShare + (1 - kPlacementTrainedShare) * done, row.title))
         return fail(ErrorCode::cancelled, "stopped", "study placement");
-      const model::ModelFile& model = trained[r * request.seeds + s].model;
+      const model::ModelFile& model = trained[r * request.seeds + s];
       MIEN_TRY(try_people(model, tests[r], tests[r].device, meter, request.threads, row.device));
       MIEN_TRY(try_people(model, tests[r], tests[r].lab, meter, request.threads, row.lab));
     }

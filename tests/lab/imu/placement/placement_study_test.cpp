@@ -82,7 +82,7 @@ TEST(StudyPlacement, SaysWhereNoSetIsLargeEnoughToBeTrained) {
   with_own.own =
       *rig_with_sensors(with_own.paper, std::vector<std::string>{"frontalis_R", "frontalis_L", "mentalis"});
   const TrainShort nobody = [](std::span<const ShortTraining>,
-                               const Progress&) -> Result<std::vector<ShortTrained>> {
+                               const Progress&) -> Result<std::vector<model::ModelFile>> {
     return fail(ErrorCode::internal, "nothing was to be trained");
   };
   PlacementRequest request = small_request();
