@@ -201,9 +201,8 @@ void add_study_ablation(app::Commands& commands, app::Command study) {
                                        .steps = request.steps,
                                        .data = request.data,
                                        .test_people = request.test_people});
-  const app::Option takes =
-      command.add_option("--takes", options->takes,
-                         "Folder of people's takes with a phone's truth, for the rows of takes");
+  const app::Option takes = command.add_option(
+      "--takes", options->takes, "Folder of people's takes with a phone's truth, for the rows of takes");
   command
       .add_option("--splits", options->splits,
                   "File of who of the takes is trained on and who validated on, as `mien dataset` writes it")

@@ -138,7 +138,8 @@ std::string ablation_legend(const AblationStudy& study, const std::string& takes
       "shipped models over people, of recordings over seeds. The change is against the first row, of the "
       "same people in the same performances and the same seeds. Fewer sensors are worn anew: where each "
       "sits, the skin below it and its device's faults are drawn again, which widens their intervals. "
-      "Virtual performers: {} people, {:.0f} minutes.{} People unlike those of the training move otherwise, and "
+      "Virtual performers: {} people, {:.0f} minutes.{} People unlike those of the training move otherwise, "
+      "and "
       "have skin as their face's mesh has it. PVE is the mean distance of all vertices between the captured "
       "face and the true one; MSE is of the 53 weights; jitter is the third difference of the landmarks over "
       "the truth's.",

@@ -50,9 +50,9 @@ struct AblationRow {
 inline constexpr std::string_view kAblationBase = "base";
 
 /// All rows that a rig has sensors enough for, the base first. Of the default rig: the paper's five sensors
-/// (two at the eyebrows, one at the jaw, two at the cheeks), each region of muscles left out, one side; a third
-/// and a tenth of the people; `takes`: people's takes alone and with virtual performers; other networks; other
-/// windows.
+/// (two at the eyebrows, one at the jaw, two at the cheeks), each region of muscles left out, one side; a
+/// third and a tenth of the people; `takes`: people's takes alone and with virtual performers; other
+/// networks; other windows.
 [[nodiscard]] std::vector<AblationRow> ablation_rows(const sensor::Rig& rig, bool takes);
 
 /// The base and those of these names, in the table's order; all where no name is given. Errors: not_found,
@@ -122,8 +122,8 @@ struct AblationResult {
 struct AblationStudy {
   std::vector<AblationResult> rows;     ///< The base first.
   std::vector<AblationResult> shipped;  ///< Models that were trained before.
-  std::size_t training_people = 0;  ///< Virtual performers of the base.
-  double training_minutes = 0;      ///< Of theirs.
+  std::size_t training_people = 0;      ///< Virtual performers of the base.
+  double training_minutes = 0;          ///< Of theirs.
 };
 
 /// One figure of a row, as intervals are of it. Recorded performances are few and nobody drew them: their

@@ -221,7 +221,8 @@ TEST(AblationRows, OfOtherRigsAreThoseThatTheyHaveSensorsFor) {
 }
 
 TEST(AblationRows, ChosenOnesHaveTheBaseBeforeThem) {
-  const auto rows = chosen_rows(default_rig(), false, std::array<std::string, 2>{"diffusion", "five_sensors"});
+  const auto rows =
+      chosen_rows(default_rig(), false, std::array<std::string, 2>{"diffusion", "five_sensors"});
   ASSERT_TRUE(rows) << rows.error().message();
   std::vector<std::string> names;
   for (const AblationRow& one : *rows) names.push_back(one.name);
