@@ -83,21 +83,6 @@ app::Json to_json(const PlacementRow& row) {
           {"left", std::move(left)}};
 }
 
-app::Json to_json(const MisplacementCost& cost) {
-  return {{"mean", cost.mean}, {"worst", cost.worst}};
-}
-
-app::Json to_json(const std::vector<SiteMisplacement>& sites) {
-  app::Json out = app::Json::array();
-  for (const SiteMisplacement& site : sites)
-    out.push_back({{"sensor", site.sensor},
-                   {"shifted", to_json(site.shifted)},
-                   {"shifted_known", to_json(site.shifted_known)},
-                   {"turned", to_json(site.turned)},
-                   {"tilted", to_json(site.tilted)}});
-  return out;
-}
-
 app::Json to_json(const PaperAgreement& agreement) {
   return {{"areas", agreement.areas}, {"all", agreement.all}};
 }
@@ -150,8 +135,6 @@ app::Json to_json(const PlacementStudy& study, const PlacementOptions& options) 
   for (const PlacementRow& row : study.sets) out["sets"].push_back(to_json(row));
   out["chosen"] = app::Json::array();
   for (const std::size_t i : study.chosen) out["chosen"].push_back(study.candidates[i].name);
-  out["misplaced"] = to_json(study.misplaced);
-  out["misplaced_paper"] = to_json(study.misplaced_paper);
   out["paper_table"] = paper_json(study.paper_sites);
   const PlacementTrainingRequest& training = options.request.training;
   out["amounts"] = {{"seeds", training.seeds},
@@ -222,8 +205,10 @@ Result<std::string> write_winner(const PlacementOptions& options, const Placemen
   if (sensor::write_rig(back) != sensor::write_rig(rig))
     return fail(ErrorCode::internal, "the rig does not read back", options.write_rig);
   MIEN_TRY(write_file(options.write_rig, text));
+  MIEN_TRY_ASSIGN(const std::filesystem::path shipped, find_resource("models/recipes/placement.toml"));
+  MIEN_TRY_ASSIGN(const std::string recipe_text, read_text(shipped));
   const std::filesystem::path recipe = folder / "recipe.toml";
-  MIEN_TRY(write_file(recipe, placement_recipe()));
+  MIEN_TRY(write_file(recipe, recipe_text));
   const std::string model =
       std::filesystem::path(options.write_rig).replace_extension(".safetensors").string();
   return fmt::format(
@@ -231,7 +216,7 @@ Result<std::string> write_winner(const PlacementOptions& options, const Placemen
       "  mien train {1} --rig {0} --out {3} --threads 1\n"
       "  mien live --rig {0} --model {3}\n"
       "  mien perform --rig {0} --to udp://127.0.0.1:5005\n",
-      options.write_rig, recipe.string(), placement_recipe(), model);
+      options.write_rig, recipe.string(), recipe_text, model);
 }
 
 Result<void> run_study_placement(PlacementOptions options) {
@@ -262,7 +247,7 @@ Result<void> run_study_placement(PlacementOptions options) {
   const std::string subtitle =
       fmt::format("{} sensors on {}, seed {}{}", options.request.sensors, app::one_line(options.face),
                   options.request.seed, options.request.quick ? "; quick, compares nothing" : "");
-  MIEN_TRY(render::write_png(folder / "placement.png", study.pictures.together()));
+  MIEN_TRY(render::write_png(folder / "placement.png", study.picture));
   MIEN_TRY_ASSIGN(const measure::Report report, placement_report(study, options.request, subtitle));
   if (options.to.json) {
     if (!study.not_trained.empty()) fmt::print(stderr, "mien: {}\n", study.not_trained);

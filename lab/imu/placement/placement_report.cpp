@@ -15,11 +15,6 @@ std::string told_percent(double share) {
   return fmt::format("{:.1f} %", 100 * share);
 }
 
-/// "+3.1 %, +5.0 %": mean and worst.
-std::string cost_text(const MisplacementCost& cost) {
-  return fmt::format("{:+.1f} %, {:+.1f} %", 100 * cost.mean, 100 * cost.worst);
-}
-
 std::vector<std::string> set_cells(const PlacementRow& row) {
   std::vector<std::string> cells = {row.title, fmt::format("{:.3f}", row.rms_vertex_mm),
                                     fmt::format("{:.3f}", row.bound.pve_mm.mean),
@@ -27,8 +22,6 @@ std::vector<std::string> set_cells(const PlacementRow& row) {
   for (const double ratio : row.group_ratios) cells.push_back(fmt::format("{:.2f}", ratio));
   return cells;
 }
-
-constexpr std::string_view kChosenSet = "the chosen set", kPaperSet = "the paper's set";
 
 std::string place_text(const Vec3& p_m) {
   return fmt::format("{:.0f} {:.0f} {:.0f}", kMmPerM * p_m.x(), kMmPerM * p_m.y(), kMmPerM * p_m.z());
@@ -110,14 +103,6 @@ std::string objective_words(PlacementObjective objective) {
   return {};
 }
 
-Result<void> add_placement_image(measure::Report& report, const render::Image& image,
-                                 const std::string& caption) {
-  if (image.width == 0 || image.height == 0) return {};
-  MIEN_TRY_ASSIGN(const std::vector<std::byte> png, render::encode_png(image));
-  report.image(png, caption);
-  return {};
-}
-
 measure::Table placement_sets_table(const PlacementStudy& study) {
   measure::Table table;
   table.caption =
@@ -147,16 +132,6 @@ measure::Table placement_sites_table(const PlacementStudy& study) {
                           place_text(study.candidates[c].position_m), told_percent(study.alone[c]),
                           top_shapes(study.alone_posterior[c])});
   }
-  return table;
-}
-
-measure::Table misplacement_table(std::string_view set, const std::vector<SiteMisplacement>& sites) {
-  measure::Table table;
-  table.caption = fmt::format("What misplacing one sensor costs {} (RMS; mean and worst direction)", set);
-  table.columns = {"sensor", "5 mm off", "5 mm off, learnt", "10° about the normal", "tilted by 10°"};
-  for (const SiteMisplacement& site : sites)
-    table.rows.push_back({site.sensor, cost_text(site.shifted), cost_text(site.shifted_known),
-                          cost_text(site.turned), cost_text(site.tilted)});
   return table;
 }
 
@@ -225,10 +200,9 @@ std::string placement_legend(const PlacementRequest& request) {
       "The bound is what one frame of orientations tells at best by a linear map: noise of {:.2g} degrees an "
       "axis, shapes independent beforehand with a standard deviation of {:.2g}. Sites are chosen one step "
       "after the other so that {} becomes least; {}. RMS is the root of the expected squared displacement of "
-      "the skin's vertices, PVE the mean displacement. Misplacement: the estimate believes that the sensor "
-      "sits where it should; \"learnt\" is after the wearer's skin was learnt where it sits. A sensor's own "
-      "axes cost nothing: its neutral takes them out; what is turned here is the skin below it. Between the "
-      "sites of the default rig the built-in skin is nobody's measurement. Method: docs/method/placement.md.",
+      "the skin's vertices, PVE the mean displacement. Between the sites of the default rig the built-in "
+      "skin "
+      "is nobody's measurement. Method: docs/method/placement.md.",
       kDegPerRad * request.settings.noise_rad, request.settings.prior, objective_words(request.objective),
       request.settings.one_sided ? "each side for itself" : "left and right alike");
 }
@@ -301,19 +275,13 @@ Result<measure::Report> placement_report(const PlacementStudy& study, const Plac
                                      100 * one.device.high)});
   report.key_figures(figures);
   for (const std::string& sentence : placement_remarks(study)) report.text(sentence);
-  MIEN_TRY(add_placement_image(
-      report, study.pictures.alone,
-      "What one sensor would tell at each place, as a share of the objective; dots are the chosen sensors"));
-  MIEN_TRY(add_placement_image(report, study.pictures.groups,
-                               "Which shapes a sensor there tells most of; pale where it tells little"));
-  MIEN_TRY(add_placement_image(report, study.pictures.sets,
-                               "Sets of every size, and what the last step's sensor would have told at each "
-                               "place; each to its own scale"));
+  MIEN_TRY_ASSIGN(const std::vector<std::byte> png, render::encode_png(study.picture));
+  report.image(
+      png,
+      "What one sensor would tell at each place, as a share of the objective; dots are the chosen sensors");
   report.plot(placement_curve(study));
   report.table(placement_sets_table(study));
   report.table(placement_sites_table(study));
-  report.table(misplacement_table(kChosenSet, study.misplaced));
-  report.table(misplacement_table(kPaperSet, study.misplaced_paper));
   const std::vector<std::string> verdicts = placement_verdicts(study, request);
   if (!study.trained.empty() || !verdicts.empty()) report.heading("By short trainings");
   if (!study.trained.empty()) report.table(placement_trained_table(study, request.training));
