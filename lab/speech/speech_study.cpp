@@ -15,8 +15,6 @@
 #include "mien/core/time.h"
 #include "mien/performer/lines.h"
 #include "mien/solve/region_tally.h"
-#include "mien/speech/articulator.h"
-#include "mien/speech/heard_track.h"
 #include "mien/speech/listener.h"
 #include "mien/speech/listeners.h"
 #include "mien/speech/sound_block.h"
@@ -74,8 +72,6 @@ std::vector<float> disturbed(std::span<const float> sound, std::size_t condition
 using SeeHeard = std::function<void(DeviceTime time, const std::optional<speech::Heard>& heard)>;
 /// Streams a sound through a listener, begun anew, as a session hears it: 60 frames a second, each asked for
 /// as soon as the block is there that reaches it.
-void hear_frames(speech::Listener& listener, std::span<const speech::Block> blocks, const SeeHeard& see);
-
 void hear_frames(speech::Listener& listener, std::span<const speech::Block> blocks, const SeeHeard& see) {
   listener.reset();
   speech::SpokenMouth mouth(listener.smoothing());
@@ -92,85 +88,19 @@ void hear_frames(speech::Listener& listener, std::span<const speech::Block> bloc
   }
 }
 
-/// What loudness alone tells, as puppets have it: the jaw opens with the level above a floor that follows the
-/// room's (up to 0.4 at 30 dB), lips are closed where the level falls 12 dB below what it was lately. A
-/// baseline.
-class LoudnessListener final : public speech::Listener {
- public:
-  speech::Heard push(DeviceTime time, const speech::Block& block) override;
-  void reset() override;
-
- private:
-  double floor_db_ = 0, peak_db_ = 0;
-  bool begun_ = false;
-};
-
-speech::Heard LoudnessListener::push(DeviceTime time, const speech::Block& block) {
-  // A block: how fast the floor rises and the peak falls, dB.
-  constexpr double kRise_db = 0.1, kFall_db = 1;
-  constexpr double kVoice_db = 10, kOpen_db = 30, kOpen = 0.4, kDip_db = 12;
-  const double level_db = 20 * std::log10(std::max(1e-4, double{speech::loudness_of(block).rms}));
-  if (!begun_) floor_db_ = peak_db_ = level_db;
-  begun_ = true;
-  floor_db_ = std::min(level_db, floor_db_ + kRise_db);
-  peak_db_ = std::max(level_db, peak_db_ - kFall_db);
-  speech::Heard heard{.time = time + speech::kBlockDuration / 2, .weights = {}};
-  heard.voice = level_db > floor_db_ + kVoice_db ? 1 : 0;
-  heard.weights[face::shape("jawOpen")] =
-      static_cast<float>(kOpen * std::clamp((level_db - floor_db_ - kVoice_db) / kOpen_db, 0.0, 1.0));
-  heard.closure = peak_db_ > floor_db_ + kVoice_db && level_db < peak_db_ - kDip_db ? 1 : 0;
-  speech::close_lips(heard.closure, heard.weights);
-  return heard;
-}
-
-void LoudnessListener::reset() {
-  begun_ = false;
-}
-
 using speech::Heard;
 using speech::Listener;
 
-constexpr std::array<std::string_view, 4> kMethods = {"loudness", "phones", "learned", "both"};
+constexpr std::array<std::string_view, 2> kMethods = {"phones", "learned"};
 constexpr float kMoves = 0.05F;
-
-/// The network's mouth with the phones' closures added, at the time the phones are known for.
-class BothListener final : public Listener {
- public:
-  BothListener(std::unique_ptr<Listener> phones, std::unique_ptr<Listener> learned)
-      : phones_(std::move(phones)), learned_(std::move(learned)) {}
-  Heard push(DeviceTime time, const speech::Block& block) override {
-    const Heard phones = phones_->push(time, block);
-    track_.push(learned_->push(time, block));
-    Heard heard = track_.at(phones.time).value_or(Heard{.time = phones.time, .weights = {}});
-    heard.time = phones.time;
-    heard.closure = std::max(heard.closure, phones.closure);
-    speech::close_lips(heard.closure, heard.weights);
-    return heard;
-  }
-  [[nodiscard]] double smoothing() const override { return learned_->smoothing(); }
-  void reset() override {
-    phones_->reset();
-    learned_->reset();
-    track_.clear();
-  }
-
- private:
-  std::unique_ptr<Listener> phones_, learned_;
-  speech::HeardTrack track_;
-};
 
 using Listeners = std::array<std::unique_ptr<Listener>, kMethods.size()>;
 
 Result<Listeners> make_listeners(const speech::SpeechNetworkFile& file) {
-  MIEN_TRY_ASSIGN(auto one, speech::PhoneDecoder::create());
-  MIEN_TRY_ASSIGN(auto two, speech::PhoneDecoder::create());
+  MIEN_TRY_ASSIGN(auto decoder, speech::PhoneDecoder::create());
   MIEN_TRY_ASSIGN(auto network, speech::SpeechNetwork::create(file));
-  MIEN_TRY_ASSIGN(auto other, speech::SpeechNetwork::create(file));
-  return Listeners{
-      std::make_unique<LoudnessListener>(), std::make_unique<speech::PhoneListener>(std::move(one)),
-      std::make_unique<speech::LearnedListener>(std::move(network)),
-      std::make_unique<BothListener>(std::make_unique<speech::PhoneListener>(std::move(two)),
-                                     std::make_unique<speech::LearnedListener>(std::move(other)))};
+  return Listeners{std::make_unique<speech::PhoneListener>(std::move(decoder)),
+                   std::make_unique<speech::LearnedListener>(std::move(network))};
 }
 
 /// What a session's frames show of a sound, 60 a second; neutral while nobody speaks.
@@ -343,17 +273,6 @@ Result<SpeechStudy> study_speech(const SpeechRequest& request, const performer::
       study.languages.push_back(all.row(
           kMethods[m], l == languages.size() ? "en-us, a person's voice" : std::string(languages[l].voice)));
     }
-
-  MIEN_TRY_ASSIGN(Listeners listeners, make_listeners(network));
-  for (const LabelledSound& recorded : request.recorded) {
-    MIEN_TRY_ASSIGN(const std::vector<float> sound, synthetic::resampled(recorded.sound));
-    const std::vector<speech::Block> blocks = synthetic::blocks_of(sound);
-    for (std::size_t m = 0; m < kMethods.size(); ++m) {
-      Tally tally;
-      score(recorded.closures, show(*listeners[m], blocks), tally);
-      study.recorded.push_back(tally.row(kMethods[m], recorded.name));
-    }
-  }
 
   std::vector<std::array<double, kMethods.size()>> moving(synthetic::kOtherSoundNames.size());
   MIEN_TRY(virt::for_each_performer(
