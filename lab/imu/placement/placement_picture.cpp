@@ -6,7 +6,6 @@
 
 #include "lab/imu/placement/placement_bound.h"
 #include "lab/imu/placement/placement_study.h"
-#include "lab/spread_on_skin.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/render/camera.h"
 #include "mien/render/error_colours.h"
@@ -22,6 +21,31 @@ constexpr render::Rgb kPlacementInk = {40, 42, 48};
 constexpr render::Rgb kDotFill = {255, 255, 255};
 constexpr float kPlacementCloseness = 1.3F;
 constexpr float kLookLowerM = 0.024F;  // From the chin to the hairline; hair tells nothing.
+
+/// Values of points on the skin, `spacing_m` apart, as values of the neutral face's vertices: the points' by
+/// the fourth power of how near they are; skin farther than two spacings from every point keeps 0. Shape:
+/// `values` beside `points_m`, at least one; the result beside the vertices.
+std::vector<float> spread_on_skin(const face::Face& face, const std::vector<Vec3>& points_m,
+                                  std::span<const double> values, double spacing_m) {
+  const double reach_m = 2 * spacing_m;
+  const double sharp_m = 0.4 * spacing_m;  // Nearer than this a point is all that counts.
+  std::vector<float> out;
+  out.reserve(face.neutral_m.size());
+  for (const Vec3f& vertex : face.neutral_m) {
+    double sum = 0, weights = 0, nearest_m = reach_m;
+    for (std::size_t i = 0; i < points_m.size(); ++i) {
+      const double square = (vertex.cast<double>() - points_m[i]).squaredNorm();
+      const double near = square + sharp_m * sharp_m;
+      const double weight = 1 / (near * near);
+      sum += weight * values[i];
+      weights += weight;
+      nearest_m = std::min(nearest_m, std::sqrt(square));
+    }
+    const double fade = std::clamp((reach_m - nearest_m) / spacing_m, 0.0, 1.0);
+    out.push_back(static_cast<float>(fade * sum / weights));
+  }
+  return out;
+}
 
 /// Where on the picture a point is, pixels.
 Eigen::Vector2f project(const render::Camera& camera, const Vec3f& p_m) {
@@ -117,8 +141,7 @@ Result<render::Image> placement_picture(const std::vector<Vec3>& places_m, std::
                                         const std::vector<Vec3>& chosen_m, double spacing_m, int height_px) {
   const face::Face face = builtin_face::make_builtin();
   MIEN_TRY_ASSIGN(const auto lettering, render::Lettering::load());
-  const std::vector<float> on_skin = spread_on_skin(
-      face, places_m, told, {.reach_m = 2 * spacing_m, .fade_m = spacing_m, .sharp_m = 0.4 * spacing_m});
+  const std::vector<float> on_skin = spread_on_skin(face, places_m, told, spacing_m);
   const double most = std::max(1e-6, *std::ranges::max_element(told));
   const float size = 0.035F * static_cast<float>(height_px);
   render::Image picture(2 * height_px, height_px);
