@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <numeric>
 #include <string_view>
 #include <utility>
 
@@ -13,18 +14,6 @@ namespace {
 
 std::string told_percent(double share) {
   return fmt::format("{:.1f} %", 100 * share);
-}
-
-std::vector<std::string> set_cells(const PlacementRow& row) {
-  std::vector<std::string> cells = {row.title, fmt::format("{:.3f}", row.rms_vertex_mm),
-                                    fmt::format("{:.3f}", row.bound.pve_mm.mean),
-                                    fmt::format("{:.5f}", row.bound.mse)};
-  for (const double ratio : row.group_ratios) cells.push_back(fmt::format("{:.2f}", ratio));
-  return cells;
-}
-
-std::string place_text(const Vec3& p_m) {
-  return fmt::format("{:.0f} {:.0f} {:.0f}", kMmPerM * p_m.x(), kMmPerM * p_m.y(), kMmPerM * p_m.z());
 }
 
 std::string interval_text(const SeedFigures& figures, int decimals) {
@@ -104,45 +93,19 @@ std::string objective_words(PlacementObjective objective) {
 }
 
 measure::Table placement_sets_table(const PlacementStudy& study) {
-  measure::Table table;
-  table.caption =
-      "Sets by the linear bound; of the groups of shapes what is left of their prior standard deviation (1: "
-      "nothing is known of them)";
-  table.columns = {"", "RMS, mm", "PVE, mm", "MSE"};
-  for (const std::string_view group : kShapeGroups) table.columns.emplace_back(group);
+  std::vector<PlacementRow> rows;
+  std::vector<std::size_t> strong;
   for (const PlacementRow& row : study.sets) {
-    if (row.sensors.size() == study.chosen.size()) table.strong_rows.push_back(table.rows.size());
-    table.rows.push_back(set_cells(row));
-    if (row.sensors.size() == study.paper_five.sensors.size())
-      table.rows.push_back(set_cells(study.paper_five));
-    if (row.sensors.size() == study.paper.sensors.size()) table.rows.push_back(set_cells(study.paper));
+    if (row.sensors.size() == study.chosen.size()) strong.push_back(rows.size());
+    rows.push_back(row);
+    for (const PlacementRow* paper : {&study.paper_five, &study.paper})
+      if (row.sensors.size() == paper->sensors.size()) rows.push_back(*paper);
   }
-  return table;
-}
-
-measure::Table placement_sites_table(const PlacementStudy& study) {
-  measure::Table table;
-  table.caption =
-      "The chosen sensors: place on the built-in head (frame H, mm), share of the objective that each tells "
-      "alone, and which shapes (share of their variance)";
-  table.columns = {"", "sensor", "x y z", "alone", "tells"};
-  for (std::size_t i = 0; i < study.chosen.size(); ++i) {
-    const std::size_t c = study.chosen[i];
-    table.rows.push_back({fmt::format("{}", i + 1), study.candidates[c].name,
-                          place_text(study.candidates[c].position_m), told_percent(study.alone[c]),
-                          top_shapes(study.alone_posterior[c])});
-  }
-  return table;
-}
-
-measure::Table placement_candidates_table(const PlacementStudy& study) {
-  measure::Table table;
-  table.caption = "Candidates, each alone: share of the objective that it tells, and which shapes";
-  table.columns = {"candidate", "area", "x y z", "alone", "tells"};
-  for (std::size_t i = 0; i < study.grid_begin; ++i)
-    table.rows.push_back({study.candidates[i].name, study.candidates[i].area,
-                          place_text(study.candidates[i].position_m), told_percent(study.alone[i]),
-                          top_shapes(study.alone_posterior[i])});
+  measure::Table table = table_of(
+      "Sets by the linear bound; of the groups of shapes what is left of their prior standard deviation (1: "
+      "nothing is known of them)",
+      rows, placement_columns());
+  table.strong_rows = strong;
   return table;
 }
 
@@ -231,18 +194,77 @@ std::vector<std::string> placement_remarks(const PlacementStudy& study) {
 
 }  // namespace
 
+const Columns<PlacementRow>& placement_columns() {
+  using Row = PlacementRow;
+  static const Columns<Row> columns = [] {
+    Columns<Row> out = {
+        {"", "", "{}", &Row::title},
+        {"sensors", "", "", &Row::sensors},
+        {"rms_vertex_mm", "RMS, mm", "{:.3f}", &Row::rms_vertex_mm},
+        {"pve_mm", "PVE, mm", "{:.3f}", [](const Row& row) { return row.bound.pve_mm.mean; }},
+        {"pve_face_mm", "", "", [](const Row& row) { return or_null(optional_mean(row.bound.pve_face_mm)); }},
+        {"lmk_mm", "", "", [](const Row& row) { return or_null(optional_mean(row.bound.lmk_mm)); }},
+        {"mse", "MSE", "{:.5f}", [](const Row& row) { return row.bound.mse; }},
+        {"groups_left", "", "",
+         [](const Row& row) {
+           Json groups;
+           for (std::size_t g = 0; g < kShapeGroups.size(); ++g)
+             groups[std::string(kShapeGroups[g])] = row.group_ratios[g];
+           return groups;
+         }},
+        {"left", "", "",
+         [](const Row& row) { return by_shape([&](std::size_t k) { return row.bound.left[k]; }); }}};
+    for (std::size_t g = 0; g < kShapeGroups.size(); ++g)
+      out.push_back(
+          {"", std::string(kShapeGroups[g]), "{:.2f}", [g](const Row& row) { return row.group_ratios[g]; }});
+    return out;
+  }();
+  return columns;
+}
+
+const Columns<TrainedPlacement>& trained_columns() {
+  using Row = TrainedPlacement;
+  static const Columns<Row> columns = {
+      {"", "", "{}", &Row::title},
+      {"name", "", "", &Row::name},
+      {"sensors", "sensors", "{}", &Row::sensors},
+      {"device_pve_mm", "", "", [](const Row& row) { return row.device.pve_mm; }},
+      {"device_mse", "", "", [](const Row& row) { return row.device.mse; }},
+      {"lab_pve_mm", "", "", [](const Row& row) { return row.lab.pve_mm; }},
+      {"lab_mse", "", "", [](const Row& row) { return row.lab.mse; }},
+      {"", "PVE device, mm", "{}", [](const Row& row) { return interval_text(row.device.pve_mm, 3); }},
+      {"", "MSE device", "{}", [](const Row& row) { return interval_text(row.device.mse, 4); }},
+      {"", "PVE lab, mm", "{}", [](const Row& row) { return interval_text(row.lab.pve_mm, 3); }},
+      {"", "MSE lab", "{}", [](const Row& row) { return interval_text(row.lab.mse, 4); }}};
+  return columns;
+}
+
+Columns<std::size_t> candidate_columns(const PlacementStudy& study) {
+  const auto of = [&study](std::size_t i) -> const SensorCandidate& { return study.candidates[i]; };
+  return {{"name", "candidate", "{}", [of](std::size_t i) { return of(i).name; }},
+          {"area", "area", "{}", [of](std::size_t i) { return of(i).area; }},
+          {"side", "", "", [of](std::size_t i) { return std::string(1, of(i).side); }},
+          {"position_m", "", "",
+           [of](std::size_t i) {
+             const Vec3& p = of(i).position_m;
+             return Json{p.x(), p.y(), p.z()};
+           }},
+          {"", "x y z", "{}",
+           [of](std::size_t i) {
+             const Vec3 p_mm = kMmPerM * of(i).position_m;
+             return fmt::format("{:.0f} {:.0f} {:.0f}", p_mm.x(), p_mm.y(), p_mm.z());
+           }},
+          {"alone", "alone", "{:.1f} %", [&study](std::size_t i) { return study.alone[i]; }, 100},
+          {"tells", "tells", "{}", [&study](std::size_t i) { return top_shapes(study.alone_posterior[i]); }}};
+}
+
 measure::Table placement_trained_table(const PlacementStudy& study, const PlacementTrainingRequest& request) {
-  measure::Table table;
-  table.caption = fmt::format(
-      "Networks with the same budget (trainings a set: {}; steps of each: {}; virtual performers: {}), on {} "
-      "people whom nobody trained on: mean, 95 % interval",
-      request.seeds, request.steps, request.data.performers, request.test_people);
-  table.columns = {"", "sensors", "PVE device, mm", "MSE device", "PVE lab, mm", "MSE lab"};
-  for (const TrainedPlacement& row : study.trained)
-    table.rows.push_back({row.title, fmt::format("{}", row.sensors), interval_text(row.device.pve_mm, 3),
-                          interval_text(row.device.mse, 4), interval_text(row.lab.pve_mm, 3),
-                          interval_text(row.lab.mse, 4)});
-  return table;
+  return table_of(
+      fmt::format(
+          "Networks with the same budget (trainings a set: {}; steps of each: {}; virtual performers: "
+          "{}), on {} people whom nobody trained on: mean, 95 % interval",
+          request.seeds, request.steps, request.data.performers, request.test_people),
+      study.trained, trained_columns());
 }
 
 std::vector<std::string> placement_verdicts(const PlacementStudy& study, const PlacementRequest& request) {
@@ -281,7 +303,14 @@ Result<measure::Report> placement_report(const PlacementStudy& study, const Plac
       "What one sensor would tell at each place, as a share of the objective; dots are the chosen sensors");
   report.plot(placement_curve(study));
   report.table(placement_sets_table(study));
-  report.table(placement_sites_table(study));
+  measure::Table chosen_sites = table_of(
+      "The chosen sensors: place on the built-in head (frame H, mm), share of the objective that each tells "
+      "alone, and which shapes (share of their variance)",
+      study.chosen, candidate_columns(study));
+  chosen_sites.columns.insert(chosen_sites.columns.begin(), "");
+  for (std::size_t i = 0; i < chosen_sites.rows.size(); ++i)
+    chosen_sites.rows[i].insert(chosen_sites.rows[i].begin(), std::to_string(i + 1));
+  report.table(chosen_sites);
   const std::vector<std::string> verdicts = placement_verdicts(study, request);
   if (!study.trained.empty() || !verdicts.empty()) report.heading("By short trainings");
   if (!study.trained.empty()) report.table(placement_trained_table(study, request.training));
@@ -290,7 +319,10 @@ Result<measure::Report> placement_report(const PlacementStudy& study, const Plac
   report.table(placement_paper_table(study));
   report.text(placement_paper_words(study));
   report.heading("Candidates");
-  report.table(placement_candidates_table(study));
+  std::vector<std::size_t> listed(study.grid_begin);
+  std::iota(listed.begin(), listed.end(), std::size_t{0});
+  report.table(table_of("Candidates, each alone: share of the objective that it tells, and which shapes",
+                        listed, candidate_columns(study)));
   report.text(fmt::format("Left and right differ by {:.1f} % of the most that a site tells, on average.",
                           100 * study.left_right));
   report.text(placement_legend(request));

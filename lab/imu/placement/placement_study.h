@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lab/columns.h"
 #include "lab/imu/placement/paper_sites.h"
 #include "lab/imu/placement/placement_bound.h"
 #include "lab/imu/sensor_bound.h"
@@ -142,6 +143,13 @@ struct PlacementStudy {
 /// The shapes that a sensor tells most of, largest reduction of the variance first: at most `most`, at least
 /// a tenth each. "jawOpen 62 %, ...".
 [[nodiscard]] std::string top_shapes(const PosteriorOverPrior& posterior, std::size_t most = 5);
+
+/// The figures of a set by the linear bound.
+[[nodiscard]] const Columns<PlacementRow>& placement_columns();
+/// Those of a set's networks.
+[[nodiscard]] const Columns<TrainedPlacement>& trained_columns();
+/// What candidates tell, by their index. The study must outlive them.
+[[nodiscard]] Columns<std::size_t> candidate_columns(const PlacementStudy& study);
 
 /// What networks of each set are off, and how large their trainings were; without rows where none was
 /// trained.
