@@ -37,7 +37,7 @@ Command add_laboratory_command(Commands& commands, const std::string& name, cons
 void add_study_command(Commands& commands) {
   const Command study = add_laboratory_command(
       commands, "study", "The experiments behind the numbers (helper mien-lab); rigs' skin",
-      "mien study bound --face builtin");
+      "mien study placement --no-training --out placement");
   add_skin_command(commands, study);
   study.pass_on();
 }

@@ -183,7 +183,7 @@ measure::Report ablation_report(const AblationStudy& study, const std::string& t
     report.text(
         "CAPUS (AAAI 2025) trained and tried on recordings of its own, which nobody else has; its changes "
         "are shown, since its millimetres are of another face and unit. The linear bound is what one frame "
-        "of orientations can tell at best, every shape independent of the others (mien study bound).");
+        "of orientations can tell at best, every shape independent of the others (mien study placement).");
   }
   report.bars(changes_plot(study));
   for (const TestSet set : kShownSets)
