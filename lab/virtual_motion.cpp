@@ -20,12 +20,12 @@ constexpr std::array kKinds = {Block::range_of_motion, Block::free, Block::expre
 
 }  // namespace
 
-Result<std::vector<measure::MotionStatistics>> virtual_motion(const VirtualMotionRequest& request,
-                                                              const Progress& progress) {
+Result<std::vector<MotionStatistics>> virtual_motion(const VirtualMotionRequest& request,
+                                                     const Progress& progress) {
   if (request.performers < 1 || !(request.seconds >= 1))
     return fail(ErrorCode::bad_usage, "nobody moves", "study motion", "ask for a performer and a second");
   const auto people = static_cast<std::size_t>(request.performers);
-  std::vector<measure::MotionStatistics> each(kKinds.size() * people);
+  std::vector<MotionStatistics> each(kKinds.size() * people);
   MIEN_TRY(
       virt::for_each_performer(each.size(), request.threads, progress, [&](std::size_t i) -> Result<void> {
         const Random person = Random(request.seed).fork("person", i % people);
@@ -33,13 +33,13 @@ Result<std::vector<measure::MotionStatistics>> virtual_motion(const VirtualMotio
         const std::array motions = {
             performer::perform(performer::default_script(kKinds[i / people], request.seconds),
                                performer::draw_style(drawn), person.fork("motion"))};
-        each[i] = measure::motion_statistics(motions, {});
+        each[i] = motion_statistics(motions, {});
         return {};
       }));
-  std::vector<measure::MotionStatistics> out;
+  std::vector<MotionStatistics> out;
   for (std::size_t k = 0; k < kKinds.size(); ++k)
-    out.push_back(measure::mean_statistics(std::span(each).subspan(k * people, people),
-                                           std::string(performer::block_name(kKinds[k]))));
+    out.push_back(mean_statistics(std::span(each).subspan(k * people, people),
+                                  std::string(performer::block_name(kKinds[k]))));
   return out;
 }
 

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "lab/motion_statistics.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
-#include "mien/measure/motion_statistics.h"
 
 namespace mien::lab {
 
@@ -20,7 +20,7 @@ struct VirtualMotionRequest {
 /// people's own statistics (mean_statistics), named after the kind. The same request gives the same numbers,
 /// whatever the number of threads. Errors: bad_usage (nobody, or less than a second); cancelled. Cost: a
 /// hundredth of what is performed.
-[[nodiscard]] Result<std::vector<measure::MotionStatistics>> virtual_motion(
-    const VirtualMotionRequest& request, const Progress& progress);
+[[nodiscard]] Result<std::vector<MotionStatistics>> virtual_motion(const VirtualMotionRequest& request,
+                                                                   const Progress& progress);
 
 }  // namespace mien::lab

@@ -71,6 +71,6 @@ cpp_files() {
   if [ -e .git ]; then
     git ls-files -z '*.h' '*.cpp' || stop "git cannot list the committed files"
   else
-    find app bench examples fuzz mien tests \( -name '*.h' -o -name '*.cpp' \) -print0
+    find app examples fuzz lab mien tests \( -name '*.h' -o -name '*.cpp' \) -print0
   fi
 }

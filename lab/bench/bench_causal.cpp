@@ -16,13 +16,13 @@
 #include "lab/bench/clock.h"
 #include "lab/bench/onnx_peer.h"
 #include "lab/commands/output.h"
+#include "lab/crowd.h"
+#include "lab/peak.h"
 #include "mien/core/error.h"
 #include "mien/core/time.h"
 #include "mien/face/frame_hash.h"
-#include "mien/model/peak.h"
 #include "mien/model/precision.h"
 #include "mien/tracker/causal_tracker.h"
-#include "mien/tracker/crowd.h"
 
 namespace mien::lab {
 namespace {
@@ -114,9 +114,9 @@ double measure_hot_step(const model::CausalNetwork& network) {
 
 /// Frames of 500 performers, of as many at a time as go through the network together: short enough that a
 /// neighbour's work falls between.
-Spread measure_crowd(tracker::Crowd& crowd, std::size_t sensors) {
+Spread measure_crowd(Crowd& crowd, std::size_t sensors) {
   constexpr std::size_t kFrames = 60;
-  std::vector<std::size_t> due(tracker::Crowd::kTogether);
+  std::vector<std::size_t> due(Crowd::kTogether);
   std::vector<model::FeatureFrame> features(due.size());
   std::vector<face::OutputFrame> out(due.size());
   std::vector<double> took;
@@ -143,7 +143,7 @@ struct Figures {
 
   [[nodiscard]] double streamed_gb_s() const { return 1e-9 * static_cast<double>(weight_bytes) / hot_step_s; }
   [[nodiscard]] std::size_t performers_per_core() const {
-    return static_cast<std::size_t>(static_cast<double>(tracker::Crowd::kTogether) * kFrameS / crowd.p50_s);
+    return static_cast<std::size_t>(static_cast<double>(Crowd::kTogether) * kFrameS / crowd.p50_s);
   }
   /// Why 500 do not fit.
   [[nodiscard]] std::string crowd_limit() const {
@@ -174,7 +174,7 @@ app::Json as_json(const CausalBench& options, const Figures& f, const std::strin
   json["model"] = options.model;
   json["passes"] = 1;
   json["crowd"] = {{"performers", kCrowd},
-                   {"together", tracker::Crowd::kTogether},
+                   {"together", Crowd::kTogether},
                    {"p50_ms", 1e3 * f.crowd.p50_s},
                    {"p99_ms", 1e3 * f.crowd.p99_s}};
   json["hot_step_us"] = 1e6 * f.hot_step_s;
@@ -202,7 +202,7 @@ measure::Report report_of(const CausalBench& options, const Figures& f, const st
   };
   peer("  ONNX Runtime's, fp32", f.onnxruntime);
   peer("  libtorch's, fp32", f.libtorch);
-  constexpr std::size_t kTogether = tracker::Crowd::kTogether;
+  constexpr std::size_t kTogether = Crowd::kTogether;
   line("performers that one core carries",
        fmt::format("{}, one pass a frame ({} together: p50 {:.2f} ms, p99 {:.2f} ms)",
                    f.performers_per_core(), kTogether, 1e3 * f.crowd.p50_s, 1e3 * f.crowd.p99_s));
@@ -234,13 +234,12 @@ Result<void> run_causal_bench(const CausalBench& asked) {
     return std::unexpected(std::move(created).error());
   }
   tracker::CausalTracker& tracker = *created;
-  MIEN_TRY_ASSIGN(tracker::Crowd crowd,
-                  tracker::Crowd::create(file, file.features.sensors, kCrowd, *precision));
+  MIEN_TRY_ASSIGN(Crowd crowd, Crowd::create(file, file.features.sensors, kCrowd, *precision));
 
   const Progress progress = app::terminal_progress("bench causal");
   Figures f;
-  f.peak_gflops = model::peak_gflops();
-  f.cache_gb_s = model::read_gb_s(kCacheBytes);
+  f.peak_gflops = peak_gflops();
+  f.cache_gb_s = read_gb_s(kCacheBytes);
   f.hot_step_s = measure_hot_step(tracker.network());
   f.weight_bytes = tracker.network().weight_bytes();
   f.flop = model::flop_count(file.architecture);

@@ -19,8 +19,10 @@
 #include "app/json_output.h"
 #include "lab/bench/clock.h"
 #include "lab/bench/onnx_peer.h"
+#include "lab/bench/rival_graphs.h"
 #include "lab/commands/output.h"
 #include "lab/headset/camera_pictures.h"
+#include "lab/peak.h"
 #include "mien/core/error.h"
 #include "mien/core/files.h"
 #include "mien/core/progress.h"
@@ -33,9 +35,7 @@
 #include "mien/headset/headset_tracker.h"
 #include "mien/headset/picture_decoder.h"
 #include "mien/model/backbone.h"
-#include "mien/model/peak.h"
 #include "mien/onnx/export_model.h"
-#include "mien/onnx/rival_graphs.h"
 #include "mien/render/infrared_scene.h"
 #include "mien/render/jpeg.h"
 #include "mien/sensor/clock_model.h"
@@ -389,7 +389,7 @@ Result<EncoderFigures::Peers> measure_peers(const Headset& headset, const Encode
   }
   const std::size_t ours = graphs.size();
   Random random(seed);
-  for (const onnx::RivalGraph& rival : {onnx::rival_eye_graph(seed), onnx::rival_mouth_graph(seed)}) {
+  for (const RivalGraph& rival : {rival_eye_graph(seed), rival_mouth_graph(seed)}) {
     PeerGraph& graph = graphs.emplace_back(PeerGraph{.onnx = rival.onnx, .inputs = {}, .expected = {}});
     Floats pictures(
         std::accumulate(rival.input.begin(), rival.input.end(), std::size_t{1}, std::multiplies()));
@@ -409,7 +409,7 @@ Result<EncoderFigures> measure(const HeadsetBench& options) {
   const Progress progress = app::terminal_progress("bench headset");
   const Headset headset(options.seed);
   std::vector<Encoder> encoders;
-  EncoderFigures f{.peak_gflops = model::peak_gflops(), .flop = headset.flop()};
+  EncoderFigures f{.peak_gflops = peak_gflops(), .flop = headset.flop()};
   for (const Precision precision : kPrecisions) {
     MIEN_TRY_ASSIGN(Encoder encoder, Encoder::create(headset, precision));
     encoders.push_back(std::move(encoder));

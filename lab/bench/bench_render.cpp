@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "app/chosen_face.h"
-#include "app/json_output.h"
 #include "lab/bench/clock.h"
+#include "lab/commands/output.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/builtin_face/skin_folds.h"
 #include "mien/face/motion.h"
@@ -31,7 +31,7 @@ struct RenderBench {
   int frames = 60;
   int faces = 20;
   std::string face = "builtin";
-  bool json = false;
+  Output to;
 };
 
 template <class Work>
@@ -39,6 +39,12 @@ double seconds_of(const Work& work) {
   const auto from = Clock::now();
   work();
   return seconds_since(from);
+}
+
+/// Of how long something took each time, s.
+app::Json times_ms(std::vector<double> took_s) {
+  const Spread spread = spread_of(std::move(took_s));
+  return {{"median_ms", 1e3 * spread.p50_s}, {"worst_ms", 1e3 * spread.worst_s}};
 }
 
 app::Json face_figures(int faces) {
@@ -94,7 +100,6 @@ Result<app::Json> film_figures(const face::Face& face, int frames) {
     if (!progress((i + 1.0) / frames, fmt::format("frame {} of {}", i + 1, frames)))
       return fail(ErrorCode::cancelled, "stopped", "bench render");
   }
-  app::clear_progress();
   const double cpu_s = static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
   app::Json film = times_ms(took_s);
   film["first_ms"] = 1e3 * took_s.front();
@@ -121,23 +126,23 @@ Result<void> run_render_bench(const RenderBench& options) {
   for (int i = 0; i < 5; ++i) stills_s.push_back(still_s(face));
   MIEN_TRY_ASSIGN(const app::Json film, film_figures(face, options.frames));
   const app::Json measured = {{"builtin_face", faces}, {"still", times_ms(stills_s)}, {"film", film}};
-  if (options.json) {
-    app::print_json(measured);
-    return {};
-  }
-  const auto line = [](const std::string& what, const app::Json& f) {
-    fmt::print("{:<52} {:7.1f} {:7.1f}\n", what, f["median_ms"].get<double>(), f["worst_ms"].get<double>());
+  measure::Table table{.caption = "", .columns = {"", "ms", "worst"}, .rows = {}, .strong_rows = {}};
+  const auto line = [&](const std::string& what, const app::Json& ms, const app::Json& worst = {}) {
+    table.rows.push_back({what, cell_text(ms, "{:.1f}"), cell_text(worst, "{:.1f}")});
   };
-  fmt::print("{:<52} {:>7} {:>7}\n", "", "ms", "worst");
-  fmt::print("{:<52} {:7.1f}\n", "the first built-in face, bare", faces["first_ms"].get<double>());
-  line(fmt::format("each of {} strangers, bare", options.faces), faces["further"]);
-  line("the same with hair", faces["with_hair"]);
-  line("a still, 640 x 640", measured["still"]);
-  line(fmt::format("a frame of the demo's film, {} x {}", 3 * kWidth, kHeight), film);
-  fmt::print("{:<52} {:7.1f}\n", "the same, CPU time", film["cpu_ms_a_frame"].get<double>());
-  fmt::print("{:<52} {:7.1f}\n", "a ray of Embree's for each of its pixels, no shading",
-             film["rays_alone_ms"].get<double>());
-  return {};
+  const auto spread = [&](const std::string& what, const app::Json& times) {
+    line(what, times["median_ms"], times["worst_ms"]);
+  };
+  line("the first built-in face, bare", faces["first_ms"]);
+  spread(fmt::format("each of {} strangers, bare", options.faces), faces["further"]);
+  spread("the same with hair", faces["with_hair"]);
+  spread("a still, 640 x 640", measured["still"]);
+  spread(fmt::format("a frame of the demo's film, {} x {}", 3 * kWidth, kHeight), film);
+  line("the same, CPU time", film["cpu_ms_a_frame"]);
+  line("a ray of Embree's for each of its pixels, no shading", film["rays_alone_ms"]);
+  measure::Report report("Faces, stills and films", "face " + options.face);
+  report.table(table);
+  return put_out(options.to, report, measured);
 }
 
 }  // namespace
@@ -158,7 +163,7 @@ void add_render_bench(app::Commands& commands, app::Command bench) {
       .show_default();
   command.add_option("--face", options->face, fmt::format("Whom stills and film show: {}", app::kFaceHelp))
       .show_default();
-  app::add_json_flag(command, options->json);
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace mien::lab

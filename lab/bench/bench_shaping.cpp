@@ -113,12 +113,8 @@ Took measure_chain(const std::vector<std::array<OutputFrame, kTrackers>>& cycle,
     took.push_back(seconds);
     if (f < warm_up + kCycle) hash.add(out);
   }
-  std::ranges::sort(took);
-  const auto share = [&](double s) {
-    return 1e6 *
-           took[std::min(took.size() - 1, static_cast<std::size_t>(s * static_cast<double>(took.size())))];
-  };
-  return {share(0.5), share(0.99), 1e6 * took.back(), hash.hex()};
+  const Spread spread = spread_of(std::move(took));
+  return {1e6 * spread.p50_s, 1e6 * spread.p99_s, 1e6 * spread.worst_s, hash.hex()};
 }
 
 /// A chain, and what it took.

@@ -12,18 +12,18 @@
 #include <boost/asio/ip/udp.hpp>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
-#include <ranges>
 #include <thread>
 #include <vector>
 
 #include "app/child_program.h"
-#include "app/json_output.h"
 #include "app/live/perform_network.h"
 #include "lab/bench/clock.h"
 #include "lab/bench/hostile_camera.h"
 #include "lab/bench/loopback.h"
+#include "lab/commands/output.h"
 #include "mien/core/files.h"
 
 namespace mien::lab {
@@ -38,7 +38,7 @@ constexpr std::size_t kCameras = 4, kPictures = 8;
 
 struct StartBench {
   int times = 10;
-  bool json = false;
+  Output to;
 };
 
 /// A virtual performer who performs all the while, to one port, whoever listens there.
@@ -89,7 +89,7 @@ class Performer {
 /// One start of a session.
 struct Start {
   double took_s = 0;
-  double peak_memory_mb = 0;
+  std::optional<double> peak_memory_mb;  ///< Of a session.
 };
 
 /// Starts a session as a process of its own and waits for the first packet that it sends.
@@ -119,71 +119,74 @@ Result<Start> start_session(std::vector<std::string> command) {
   return Start{to_seconds(*first - from), summary.value("peak_memory_mb", 0.0)};
 }
 
-app::Json start_figures(const std::vector<Start>& starts) {
-  std::vector<double> took_s;
-  for (const Start& start : starts) took_s.push_back(start.took_s);
-  app::Json all = times_ms(took_s);
-  all["peak_memory_mb"] = std::ranges::max(starts | std::views::transform(&Start::peak_memory_mb));
-  return all;
+/// Loads the program and nothing else.
+Result<Start> load_program(const fs::path& program) {
+  const auto from = Clock::now();
+  MIEN_TRY(app::run_child({program.string(), "--version"}));
+  return Start{seconds_since(from), {}};
+}
+
+/// All starts of one kind.
+struct StartRow {
+  std::string key;   ///< In the JSON object.
+  std::string what;  ///< For people.
+  std::function<Result<Start>()> start;
+  std::vector<double> took_s = {};
+  std::optional<double> peak_memory_mb = {};  ///< The most of any.
+};
+
+const Columns<StartRow>& start_columns() {
+  using Row = StartRow;
+  static const Columns<Row> columns = {
+      {"", "", "{}", &Row::what},
+      {"median_ms", "ms", "{:.1f}", [](const Row& row) { return 1e3 * spread_of(row.took_s).p50_s; }},
+      {"worst_ms", "worst", "{:.1f}", [](const Row& row) { return 1e3 * spread_of(row.took_s).worst_s; }},
+      {"peak_memory_mb", "MB", "{:.1f}", [](const Row& row) { return or_null(row.peak_memory_mb); }}};
+  return columns;
 }
 
 Result<void> run_start_bench(const StartBench& options) {
   MIEN_TRY_ASSIGN(const fs::path program, app::find_helper("mien"));
   MIEN_TRY_ASSIGN(const auto performer, Performer::begin());
-  const auto session = [&](const char* page) {
-    return start_session(
-        {program.string(), "live", "--listen", performer->address(), "--page", page, "--for", "1", "--json"});
-  };
   MIEN_TRY_ASSIGN(const fs::path headset, find_resource("rigs/headset.toml"));
   const Pictures pictures = made_up_pictures(kPictures);
   MIEN_TRY_ASSIGN(const auto cameras, GoodCameras::open(pictures, kCameras));
-  std::vector<std::string> of_cameras = {program.string(), "live",  "--rig", headset.string(), "--page",
-                                         "127.0.0.1:0",    "--for", "1",     "--json"};
+  const auto session = [&](const char* page, const std::vector<std::string>& more) {
+    std::vector<std::string> command = {program.string(), "live", "--page", page, "--for", "1", "--json"};
+    command.insert(command.end(), more.begin(), more.end());
+    return start_session(std::move(command));
+  };
+  const std::vector<std::string> of_boards = {"--listen", performer->address()};
+  std::vector<std::string> of_cameras = {"--rig", headset.string()};
   for (std::size_t c = 0; c < kCameras; ++c)
     of_cameras.insert(of_cameras.end(), {"--listen", cameras->address(c)});
-  std::vector<Start> with_page, without_page, with_cameras;
-  std::vector<double> nothing_s;
+  std::vector<StartRow> rows = {
+      {"without_page", "mien live with --page off, to its first frame",
+       [&] { return session("off", of_boards); }},
+      {"with_page", "the same with the page", [&] { return session("127.0.0.1:0", of_boards); }},
+      {"with_cameras", "with four cameras instead, and the page",
+       [&] { return session("127.0.0.1:0", of_cameras); }},
+      {"program_alone", "mien --version, to its end", [&] { return load_program(program); }}};
   const Progress progress = app::terminal_progress("bench start");
   // They take turns. The first of each is not counted: after it the program is in memory.
   for (int round = 0; round <= options.times; ++round) {
-    const auto from = Clock::now();
-    MIEN_TRY(app::run_child({program.string(), "--version"}));
-    const double loaded_s = seconds_since(from);
-    MIEN_TRY_ASSIGN(const Start without, session("off"));
-    MIEN_TRY_ASSIGN(const Start with, session("127.0.0.1:0"));
-    MIEN_TRY_ASSIGN(const Start watched, start_session(of_cameras));
-    if (round > 0) {
-      nothing_s.push_back(loaded_s);
-      without_page.push_back(without);
-      with_page.push_back(with);
-      with_cameras.push_back(watched);
+    for (StartRow& row : rows) {
+      MIEN_TRY_ASSIGN(const Start start, row.start());
+      if (round == 0) continue;
+      row.took_s.push_back(start.took_s);
+      row.peak_memory_mb = std::max(row.peak_memory_mb, start.peak_memory_mb);
     }
     if (!progress(static_cast<double>(round) / options.times, fmt::format("start {}", round)))
       return fail(ErrorCode::cancelled, "stopped", "bench start");
   }
-  app::clear_progress();
-  const app::Json measured = {{"without_page", start_figures(without_page)},
-                              {"with_page", start_figures(with_page)},
-                              {"with_cameras", start_figures(with_cameras)},
-                              {"program_alone", times_ms(nothing_s)},
-                              {"starts", options.times}};
-  if (options.json) {
-    app::print_json(measured);
-    return {};
-  }
-  const auto line = [&](const char* what, const app::Json& f) {
-    fmt::print("{:<40} {:7.1f} {:7.1f}", what, f["median_ms"].get<double>(), f["worst_ms"].get<double>());
-    fmt::print("{}\n", f.contains("peak_memory_mb")
-                           ? fmt::format(" {:7.1f}", f["peak_memory_mb"].get<double>())
-                           : "");
-  };
-  fmt::print("{:<40} {:>7} {:>7} {:>7}\n", fmt::format("{} starts of each", options.times), "ms", "worst",
-             "MB");
-  line("mien live, to its first frame", measured["with_page"]);
-  line("the same with --page off", measured["without_page"]);
-  line("with four cameras instead, and the page", measured["with_cameras"]);
-  line("mien --version, to its end", measured["program_alone"]);
-  return {};
+  app::Json measured;
+  for (const StartRow& row : rows) measured[row.key] = json_of(row, start_columns());
+  measured["program_alone"].erase("peak_memory_mb");
+  measured["starts"] = options.times;
+  measure::Report report("How long a session takes to start",
+                         fmt::format("{} starts of each", options.times));
+  report.table(table_of("", rows, start_columns()));
+  return put_out(options.to, report, measured);
 }
 
 }  // namespace
@@ -197,7 +200,7 @@ void add_start_bench(app::Commands& commands, app::Command bench) {
       "beside them what loading the program takes",
       "mien bench start --times 20 --json", [options] { return run_start_bench(*options); });
   start.add_option("--times", options->times, "How often each is started").in_range(1, 1000).show_default();
-  app::add_json_flag(start, options->json);
+  app::add_json_flag(start, options->to.json);
 }
 
 }  // namespace mien::lab

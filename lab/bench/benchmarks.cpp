@@ -15,12 +15,12 @@
 #include <thread>
 
 #include "app/command.h"
-#include "app/json_output.h"
 #include "app/live/live_session.h"
 #include "app/live/perform_network.h"
 #include "app/live/running_session.h"
 #include "lab/bench/clock.h"
 #include "lab/bench/loopback.h"
+#include "lab/commands/output.h"
 #include "mien/core/files.h"
 #include "mien/live/latency.h"
 
@@ -33,7 +33,7 @@ using asio::ip::udp;
 struct BenchOptions {
   double seconds = 20;
   std::string model;
-  bool json = false;
+  Output to;
 };
 
 /// Wakes who receives there: one byte is the end.
@@ -103,12 +103,65 @@ class Relay {
   std::jthread relay_, sender_;
 };
 
-app::Json latency_figures(const live::Latencies& took) {
-  const auto ms = [](Duration d) { return 1e3 * to_seconds(d); };
-  return {{"p50_ms", ms(took.percentile(0.5))},
-          {"p99_ms", ms(took.percentile(0.99))},
-          {"max_ms", ms(took.largest())},
-          {"count", took.count()}};
+/// From what to what, and how long that took each time.
+struct LatencyRow {
+  std::string what;
+  live::Latencies took;
+};
+
+const Columns<LatencyRow>& latency_columns() {
+  using Row = LatencyRow;
+  static const Columns<Row> columns = {
+      {"", "", "{}", &Row::what},
+      {"p50_ms", "p50 ms", "{:.3f}",
+       [](const Row& row) { return 1e3 * to_seconds(row.took.percentile(0.5)); }},
+      {"p99_ms", "p99 ms", "{:.3f}",
+       [](const Row& row) { return 1e3 * to_seconds(row.took.percentile(0.99)); }},
+      {"max_ms", "max ms", "{:.3f}", [](const Row& row) { return 1e3 * to_seconds(row.took.largest()); }},
+      {"count", "", "", [](const Row& row) { return row.took.count(); }}};
+  return columns;
+}
+
+/// What is measured of a session: the rows, and the rest of the JSON object.
+struct MeasuredLive {
+  std::vector<LatencyRow> rows;
+  app::Json rest;
+};
+
+/// A performance for a session in this process that sends to `receiver`. Errors: the session's and the
+/// performance's.
+Result<MeasuredLive> measure_live(const BenchOptions& options, const udp::endpoint& receiver) {
+  virt::StageRequest performance;
+  performance.script = performer::default_script(performer::Block::mixed, options.seconds);
+  performance.script_name = "mixed";
+  MIEN_TRY_ASSIGN(performance.rig, find_resource("rigs/default.toml"));
+  app::LiveRequest request;
+  request.model = options.model;
+  request.listen = {"udp://127.0.0.1:0"};
+  request.out = {fmt::format("livelink://127.0.0.1:{}", receiver.port())};
+  request.page = "off";
+  MIEN_TRY_ASSIGN(const app::LiveSession session, app::open_live(request));
+  app::RunningSession running(*session.engine);
+  Relay relay;
+  app::NetworkOptions network;
+  network.to = session.engine->listening().front();
+  const auto performed = app::perform_to_network(performance, network);
+  const live::Latencies network_took = relay.stop();
+  const auto summary = running.finish();
+  if (!performed) return std::unexpected(performed.error());
+  if (!summary) return std::unexpected(summary.error());
+  const live::Latencies& took = summary->latency;
+  return MeasuredLive{
+      .rows = {{"last sample in to the sink's packet out", took},
+               {"a thread that only sends datagrams on", network_took}},
+      .rest = {
+          {"vs_network_p50", to_seconds(took.percentile(0.5)) / to_seconds(network_took.percentile(0.5))},
+          {"vs_network_p99", to_seconds(took.percentile(0.99)) / to_seconds(network_took.percentile(0.99))},
+          {"frames", summary->frames},
+          {"missed", summary->missed},
+          {"packets", performed->packets},
+          {"kernels", summary->kernels},
+          {"hash", summary->hash}}};
 }
 
 Result<void> run_bench_live(const BenchOptions& options) {
@@ -121,48 +174,9 @@ Result<void> run_bench_live(const BenchOptions& options) {
     boost::system::error_code failed;
     while (receiver.receive(asio::buffer(bytes), 0, failed) > 1 && !failed) ++received;
   });
-
-  app::LiveRequest request;
-  request.model = options.model;
-  request.listen = {"udp://127.0.0.1:0"};
-  request.out = {fmt::format("livelink://127.0.0.1:{}", receiver.local_endpoint().port())};
-  request.page = "off";
-  const auto measure = [&]() -> Result<app::Json> {
-    MIEN_TRY_ASSIGN(const app::LiveSession session, app::open_live(request));
-    app::RunningSession running(*session.engine);
-    Relay relay;
-
-    virt::StageRequest performance;
-    performance.script = performer::default_script(performer::Block::mixed, options.seconds);
-    performance.script_name = "mixed";
-    app::NetworkOptions network;
-    network.to = session.engine->listening().front();
-    Result<app::NetworkSummary> performed = fail(ErrorCode::internal, "nothing was performed");
-    const auto rig = find_resource("rigs/default.toml");
-    if (rig) {
-      performance.rig = *rig;
-      performed = app::perform_to_network(performance, network);
-    }
-    const live::Latencies network_took = relay.stop();
-    const auto summary = running.finish();
-    if (!performed) return std::unexpected(performed.error());
-    if (!summary) return std::unexpected(summary.error());
-    const live::Latencies& took = summary->latency;
-    return app::Json{
-        {"live", latency_figures(took)},
-        {"network", latency_figures(network_took)},
-        {"vs_network_p50", to_seconds(took.percentile(0.5)) / to_seconds(network_took.percentile(0.5))},
-        {"vs_network_p99", to_seconds(took.percentile(0.99)) / to_seconds(network_took.percentile(0.99))},
-        {"frames", summary->frames},
-        {"missed", summary->missed},
-        {"received", received.load()},
-        {"packets", performed->packets},
-        {"kernels", summary->kernels},
-        {"hash", summary->hash}};
-  };
-  const Result<app::Json> measured = [&]() -> Result<app::Json> {
+  const Result<MeasuredLive> measured = [&]() -> Result<MeasuredLive> {
     try {
-      return measure();
+      return measure_live(options, receiver.local_endpoint());
     } catch (const std::exception& error) {  // Who receives is to be told, too.
       return fail(ErrorCode::internal, error.what(), "bench live");
     }
@@ -170,23 +184,17 @@ Result<void> run_bench_live(const BenchOptions& options) {
   end_receiving(receiver.local_endpoint());
   receiving.join();
   if (!measured) return std::unexpected(measured.error());
-  app::clear_progress();
-  if (options.json) {
-    app::print_json(*measured);
-    return {};
-  }
-  const auto line = [](const char* what, const app::Json& f) {
-    fmt::print("{:<44} {:7.3f} {:7.3f} {:7.3f}\n", what, f["p50_ms"].get<double>(), f["p99_ms"].get<double>(),
-               f["max_ms"].get<double>());
-  };
-  fmt::print("{:<44} {:>7} {:>7} {:>7}   ms\n", "", "p50", "p99", "max");
-  line("last sample in to the sink's packet out", (*measured)["live"]);
-  line("a thread that only sends datagrams on", (*measured)["network"]);
-  fmt::print("{} frames, {} missed, {} received; kernels {}, hash {}\n",
-             (*measured)["frames"].get<std::uint64_t>(), (*measured)["missed"].get<std::uint64_t>(),
-             received.load(), (*measured)["kernels"].get<std::string>(),
-             (*measured)["hash"].get<std::string>());
-  return {};
+  app::Json json = {{"live", json_of(measured->rows[0], latency_columns())},
+                    {"network", json_of(measured->rows[1], latency_columns())}};
+  json.update(measured->rest);
+  json["received"] = received.load();
+  measure::Report report("From the last sample of a frame to the packet that leaves");
+  report.table(table_of("", measured->rows, latency_columns()));
+  report.text(fmt::format("{} frames, {} missed, {} received; kernels {}, hash {}",
+                          json["frames"].get<std::uint64_t>(), json["missed"].get<std::uint64_t>(),
+                          received.load(), json["kernels"].get<std::string>(),
+                          json["hash"].get<std::string>()));
+  return put_out(options.to, report, json);
 }
 
 }  // namespace
@@ -205,12 +213,11 @@ void add_benchmarks(app::Commands& commands) {
       .number_between(2.0, 3600.0)
       .show_default();
   live.add_option("--model", options->model, "The live model (default: models/live.safetensors)");
-  app::add_json_flag(live, options->json);
+  app::add_json_flag(live, options->to.json);
   add_start_bench(commands, bench);
   add_attack_bench(commands, bench);
   add_render_bench(commands, bench);
   add_shaping_bench(commands, bench);
-  add_speech_bench(commands, bench);
   add_onnxruntime_bench(commands, bench);
   add_causal_bench(commands, bench);
   add_headset_bench(commands, bench);

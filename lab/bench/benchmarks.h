@@ -14,7 +14,6 @@ void add_headset_bench(app::Commands& commands, app::Command bench);
 void add_onnxruntime_bench(app::Commands& commands, app::Command bench);
 void add_render_bench(app::Commands& commands, app::Command bench);
 void add_shaping_bench(app::Commands& commands, app::Command bench);
-void add_speech_bench(app::Commands& commands, app::Command bench);
 void add_start_bench(app::Commands& commands, app::Command bench);
 
 }  // namespace mien::lab

@@ -9,7 +9,6 @@
 #include <thread>
 #include <vector>
 
-#include "app/json_output.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/core/time.h"
@@ -24,15 +23,9 @@ using Clock = std::chrono::steady_clock;
   return to_seconds(Clock::now() - from);
 }
 
-/// Of how long something took each time (seconds, not empty): the median and the slowest, milliseconds.
-[[nodiscard]] inline app::Json times_ms(std::vector<double> took_s) {
-  std::ranges::sort(took_s);
-  return {{"median_ms", 1e3 * took_s[took_s.size() / 2]}, {"worst_ms", 1e3 * took_s.back()}};
-}
-
 /// Of how long something took each time.
 struct Spread {
-  double p50_s = 0, p99_s = 0;
+  double p50_s = 0, p99_s = 0, worst_s = 0;
 };
 
 /// `values` is not empty.
@@ -42,7 +35,7 @@ struct Spread {
     return values[std::min(values.size() - 1,
                            static_cast<std::size_t>(share * static_cast<double>(values.size())))];
   };
-  return {at(0.5), at(0.99)};
+  return {at(0.5), at(0.99), values.back()};
 }
 
 /// The memory of another program, whose reading takes ours out of the caches, as it does in life between two

@@ -10,8 +10,8 @@
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
+#include "lab/motion_statistics.h"
 #include "lab/virtual_motion.h"
-#include "mien/measure/motion_statistics.h"
 
 namespace mien::lab {
 namespace {
@@ -22,28 +22,26 @@ struct StudyMotionOptions {
   bool json = false;
 };
 
-Result<measure::MotionStatistics> statistics_of(const std::string& file) {
+Result<MotionStatistics> statistics_of(const std::string& file) {
   MIEN_TRY_ASSIGN(app::Performance performance, app::load_performance(file));
   std::string name = performance.motion.name;
-  measure::MotionStatistics out =
-      measure::motion_statistics(std::span(&performance.motion, 1), std::move(name));
+  MotionStatistics out = motion_statistics(std::span(&performance.motion, 1), std::move(name));
   if (out.duration_s == 0)
     return fail(ErrorCode::out_of_range, "nothing moves: it has fewer than two frames with a face", file,
                 "give a longer performance");
   return out;
 }
 
-app::Json motion_json(const measure::MotionStatistics& motion,
-                      std::span<const measure::MotionStatistics> compared) {
+app::Json motion_json(const MotionStatistics& motion, std::span<const MotionStatistics> compared) {
   app::Json out = {{"name", motion.name}};
-  for (const measure::MotionSummary& summary : measure::kMotionSummaries)
+  for (const MotionSummary& summary : kMotionSummaries)
     out[std::string(summary.name)] = motion.*summary.value;
   // Names need not differ: in the order of the files.
   out["agreement"] = app::Json::array();
-  for (const measure::MotionStatistics& other : compared)
-    out["agreement"].push_back(measure::correlation_agreement(motion, other));
+  for (const MotionStatistics& other : compared)
+    out["agreement"].push_back(correlation_agreement(motion, other));
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    const measure::ShapeStatistics& shape = motion.shapes[k];
+    const ShapeStatistics& shape = motion.shapes[k];
     out["shapes"][std::string(face::kShapeNames[k])] = {{"mean", shape.mean},
                                                         {"deviation", shape.deviation},
                                                         {"rest", shape.rest},
@@ -54,19 +52,19 @@ app::Json motion_json(const measure::MotionStatistics& motion,
 }
 
 Result<void> run_study_motion(const StudyMotionOptions& options) {
-  std::vector<measure::MotionStatistics> columns;
+  std::vector<MotionStatistics> columns;
   for (const std::string& file : options.files) {
     MIEN_TRY_ASSIGN(columns.emplace_back(), statistics_of(file));
   }
   const std::size_t files = columns.size();
   if (options.request.performers > 0) {
-    MIEN_TRY_ASSIGN(std::vector<measure::MotionStatistics> made,
+    MIEN_TRY_ASSIGN(std::vector<MotionStatistics> made,
                     virtual_motion(options.request, app::terminal_progress("motion")));
     app::clear_progress();
-    for (measure::MotionStatistics& kind : made) columns.push_back(std::move(kind));
+    for (MotionStatistics& kind : made) columns.push_back(std::move(kind));
   }
   if (!options.json) {
-    fmt::print("{}", measure::comparison_markdown(columns, files));
+    fmt::print("{}", comparison_markdown(columns, files));
     return {};
   }
   app::Json out = {{"files", options.files},
@@ -74,7 +72,7 @@ Result<void> run_study_motion(const StudyMotionOptions& options) {
                    {"seconds", options.request.seconds},
                    {"seed", options.request.seed},
                    {"motions", app::Json::array()}};
-  for (const measure::MotionStatistics& column : columns)
+  for (const MotionStatistics& column : columns)
     out["motions"].push_back(motion_json(column, std::span(columns).first(files)));
   app::print_json(out);
   return {};

@@ -5,6 +5,7 @@
 #include <functional>
 #include <string_view>
 
+#include "lab/eyewear/marker_capture.h"
 #include "mien/eyewear/light_drift.h"
 #include "mien/eyewear/marker_model.h"
 #include "mien/mocap/outliers.h"
@@ -12,7 +13,6 @@
 #include "mien/synthetic/eyewear/worn_glasses.h"
 #include "mien/virtual/eyewear/eyewear_faults.h"
 #include "mien/virtual/eyewear/eyewear_wearer.h"
-#include "mien/virtual/eyewear/marker_capture.h"
 #include "mien/virtual/eyewear/marker_poses.h"
 #include "mien/virtual/performers.h"
 
@@ -96,7 +96,7 @@ class LinearFit {
 
  private:
   const builtin_face::PlacedMarkers& placed_;
-  virt::MarkerCapture capture_;
+  MarkerCapture capture_;
   std::vector<GridLight> lights_;
   std::vector<Eigen::VectorXd> captured_m_;
 };

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "lab/eyewear/marker_capture.h"
 #include "lab/performance_count.h"
 #include "mien/core/units.h"
 #include "mien/eyewear/block_median.h"
@@ -18,7 +19,6 @@
 #include "mien/virtual/eyewear/eyewear_faults.h"
 #include "mien/virtual/eyewear/eyewear_simulator.h"
 #include "mien/virtual/eyewear/eyewear_wearer.h"
-#include "mien/virtual/eyewear/marker_capture.h"
 #include "mien/virtual/eyewear/marker_poses.h"
 #include "mien/virtual/performers.h"
 
@@ -71,7 +71,7 @@ class Recorder {
 
   /// Windows that begin at these times of the motion, which itself began at `offset_s` of the wearer's day.
   Recorded record(const face::Motion& motion, std::span<const double> begins_s, double offset_s,
-                  virt::MarkerCapture* capture) {
+                  MarkerCapture* capture) {
     const face::MotionCurve curve(motion);
     const auto rows = static_cast<Eigen::Index>(begins_s.size());
     Recorded out;
@@ -150,7 +150,7 @@ Result<SensorsOutcome> wear_for_study(const SensorsRequest& request, const senso
   virt::EyewearSimulator simulator(wearer, faults, root.fork("glasses"));
   simulator.put_on();
   MIEN_TRY_ASSIGN(Recorder recorder, Recorder::make(simulator, rig.sensors.size(), placed));
-  virt::MarkerCapture capture(faults, placed.neutral_m(), root.fork("capture"));
+  MarkerCapture capture(faults, placed.neutral_m(), root.fork("capture"));
 
   // Training.
   std::vector<performer::PoseCue> cues;

@@ -6,13 +6,13 @@
 #include <utility>
 #include <vector>
 
+#include "lab/imu/impair.h"
 #include "lab/imu/loss.h"
 #include "lab/worsened.h"
 #include "mien/solve/trace_features.h"
 #include "mien/synthetic/imu/watched_person.h"
 #include "mien/synthetic/shifted_person.h"
 #include "mien/virtual/imu/device_faults.h"
-#include "mien/virtual/imu/impair.h"
 #include "mien/virtual/performance.h"
 
 namespace mien::lab {
@@ -93,8 +93,8 @@ class FaultyImuPerson final : public synthetic::FaultyPerson {
         const Random random = root_.fork("faults");
         MIEN_TRY_ASSIGN(const Impairment bad,
                         impairment(condition, *rig_, played.begin_s, played.end_s, random));
-        MIEN_TRY_ASSIGN(const virt::VirtualSession heard, virt::impair(played.session, *rig_, bad.network,
-                                                                       random.fork("network"), bad.troubles));
+        MIEN_TRY_ASSIGN(const virt::VirtualSession heard,
+                        impair(played.session, *rig_, bad.network, random.fork("network"), bad.troubles));
         MIEN_TRY(watch(heard, fault++, see));
       }
     }

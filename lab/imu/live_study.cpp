@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lab/columns.h"
+#include "lab/imu/impair.h"
 #include "lab/imu/loss.h"
 #include "lab/imu/observed_rotations.h"
 #include "lab/imu/sensor_bound.h"
@@ -23,7 +24,6 @@
 #include "mien/synthetic/imu/watched_person.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/model_input.h"
-#include "mien/virtual/imu/impair.h"
 #include "mien/virtual/performers.h"
 
 namespace mien::lab {
@@ -257,8 +257,8 @@ class Performing {
       const Random random = actor_.root.fork("loss");
       MIEN_TRY_ASSIGN(const Impairment bad,
                       impairment(*loss, setting_.rig, performance.begin_s, performance.end_s, random));
-      MIEN_TRY_ASSIGN(performance.session, virt::impair(performance.session, setting_.rig, bad.network,
-                                                        random.fork("network"), bad.troubles));
+      MIEN_TRY_ASSIGN(performance.session, impair(performance.session, setting_.rig, bad.network,
+                                                  random.fork("network"), bad.troubles));
     }
     virt::VirtualSession& session = performance.session;
     MIEN_TRY_ASSIGN(std::vector<model::FeatureFrame> features,

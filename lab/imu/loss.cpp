@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "lab/imu/impair.h"
 #include "lab/imu/observed_rotations.h"
 #include "lab/performance_count.h"
 #include "mien/core/draw_first.h"
@@ -17,7 +18,6 @@
 #include "mien/solve/trace_features.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/virtual/imu/device_faults.h"
-#include "mien/virtual/imu/impair.h"
 #include "mien/virtual/performers.h"
 
 namespace mien::lab {
@@ -125,9 +125,8 @@ Result<LossOutcome> run_condition(const LossCondition& condition, const sensor::
   const virt::Performance& performance = played.performance;
   MIEN_TRY_ASSIGN(const Impairment bad,
                   impairment(condition, rig, performance.begin_s, performance.end_s, played.random));
-  MIEN_TRY_ASSIGN(
-      const virt::VirtualSession received,
-      virt::impair(performance.session, rig, bad.network, played.random.fork("network"), bad.troubles));
+  MIEN_TRY_ASSIGN(const virt::VirtualSession received,
+                  impair(performance.session, rig, bad.network, played.random.fork("network"), bad.troubles));
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features,
                   solve::trace_features(rig, received.events, received.entries, received.ticks));
   LossOutcome out{.rotations = ObservedRotations(rig)};

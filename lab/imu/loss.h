@@ -124,11 +124,11 @@ struct LossStudy {
   [[nodiscard]] bool kept() const;
 };
 
-/// Every performance under every condition, through virt::impair, the IMU pipeline with the prologue's marks,
+/// Every performance under every condition, through impair, the IMU pipeline with the prologue's marks,
 /// and the live tracker. Each condition meets the same performances, devices and network's draws; the result
 /// does not depend on the number of threads. Errors: mismatch (a model that is no live one, or of other
 /// sensors), not_found (a condition's sensor; no frame to measure), bad_usage (a motion without frames, or of
-/// no face), those of the faults and of virt::impair; cancelled. Cost: about a second of one core a minute
+/// no face), those of the faults and of impair; cancelled. Cost: about a second of one core a minute
 /// of performance and condition.
 [[nodiscard]] Result<LossStudy> study_loss(const LossRequest& request, const sensor::Rig& rig,
                                            const model::ModelFile& model,

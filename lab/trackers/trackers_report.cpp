@@ -16,25 +16,8 @@ namespace mien::lab {
 namespace {
 
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
-
-struct TrackerColumn {
-  TrackerMeasure measure;
-  const char* head;
-  int decimals;
-  double factor;
-};
-constexpr std::array<TrackerColumn, 8> kTrackerColumns = {
-    {{TrackerMeasure::gap_share, "in gaps, %", 1, 100},
-     {TrackerMeasure::pve_seen, "PVE seen, mm", 2, 1},
-     {TrackerMeasure::pve_without_lag, "without lag", 2, 1},
-     {TrackerMeasure::pve_held, "held", 2, 1},
-     {TrackerMeasure::pve_whole, "held, all shapes", 2, 1},
-     {TrackerMeasure::landmarks_held, "landmarks, mm", 2, 1},
-     {TrackerMeasure::mse_held, "MSE told", 4, 1},
-     {TrackerMeasure::mse_common, "MSE common", 4, 1}}};
-
-/// Beside it stands by how much it is above the reference's.
-constexpr TrackerMeasure kAboveMeasure = TrackerMeasure::pve_whole;
+/// Seconds over which the worst moment is sought, and that are kept each way.
+constexpr double kMoment_s = 1, kMomentEachWay_s = 2.5;
 
 /// Shapes whose curves are drawn around a worst moment.
 struct DrawnShape {
@@ -45,133 +28,66 @@ constexpr std::array<DrawnShape, 3> kDrawnShapes = {{{face::shape("jawOpen"), "j
                                                      {face::shape("mouthSmile_L"), "mouthSmile_L"},
                                                      {face::shape("eyeBlink_L"), "eyeBlink_L"}}};
 
-/// "0.70 ± 0.09"; of one performer the figure alone.
-std::string shown_mean(const std::optional<TrackerMean>& mean, int decimals, double factor) {
-  if (!mean) return "-";
-  if (!mean->interval) return fmt::format("{:.{}f}", factor * mean->mean, decimals);
-  return fmt::format("{:.{}f} ± {:.{}f}", factor * mean->mean, decimals,
-                     0.5 * factor * ((*mean->interval)[1] - (*mean->interval)[0]), decimals);
+/// How late each tracker is, and how sure that is.
+const Columns<CurveScore>& lag_columns() {
+  static const Columns<CurveScore> columns = {
+      {"", "", "{}", &CurveScore::name},
+      {"", "lag", "{:.0f}", [](const CurveScore& s) { return s.lag ? Json(1e3 * s.lag->lag_s) : Json(); }},
+      {"", "standard error", "{:.0f}",
+       [](const CurveScore& s) { return s.lag ? Json(1e3 * s.lag->sigma_s) : Json(); }}};
+  return columns;
 }
 
-/// "+0.32 ± 0.09": by how much a tracker is above the one that it is held against.
-std::string shown_above(const TrackerMethod& method, const TrackerMethod* reference) {
-  if (reference == nullptr || reference == &method) return "-";
-  const auto above = method.above(*reference, kAboveMeasure);
-  return (above && above->mean >= 0 ? "+" : "") + shown_mean(above, 2, 1);
-}
-
-bool of_recordings(const TrackersStudy& study) {
-  return !study.rows.empty() && study.rows.front().key == "recording";
-}
-
-/// A head across all columns.
-std::string row_head(const TrackersRow& row) {
-  const std::size_t performers = row.methods.empty() ? 0 : row.methods.front().performers.size();
-  const std::string who =
-      row.key == "recording" ? "" : fmt::format("{} performer{}, ", performers, performers == 1 ? "" : "s");
-  return fmt::format("{} ({}{:.0f} s, {} common shape{})", row.title, who,
-                     static_cast<double>(row.frames) / row.frames_hz, row.common, row.common == 1 ? "" : "s");
-}
-
-measure::BarPlot bars_of(const TrackersStudy& study, TrackerMeasure measure, std::string title,
-                         std::string label, double factor) {
+/// One bar a tracker.
+measure::BarPlot tracker_bars(const CurveComparison& comparison, const std::string& group, std::string title,
+                              std::string label, double (*value)(const CurveScore&)) {
   measure::BarPlot plot{
-      .title = std::move(title), .value_label = std::move(label), .series = {}, .groups = {}};
-  for (const TrackersRow& row : study.rows) {
-    measure::BarPlot::Group bars{row.title, {}, {}};
-    plot.series.clear();
-    for (const TrackerMethod& method : row.methods) {
-      const std::optional<TrackerMean> mean = method.over(measure);
-      plot.series.push_back(method.name);
-      bars.values.push_back(mean ? factor * mean->mean : kNoValue);
-      // Drawn as plus and minus; half of the interval's width stands for it.
-      bars.spread.push_back(
-          mean && mean->interval ? 0.5 * factor * ((*mean->interval)[1] - (*mean->interval)[0]) : kNoValue);
-    }
-    plot.groups.push_back(std::move(bars));
+      .title = std::move(title), .value_label = std::move(label), .series = {}, .groups = {{group, {}, {}}}};
+  for (const CurveScore& score : comparison.scores) {
+    plot.series.push_back(score.name);
+    plot.groups[0].values.push_back(value(score));
   }
   return plot;
 }
 
-/// One shape around a row's worst moment; gaps are breaks.
-measure::LinePlot curves_around(const TrackersRow& row, const DrawnShape& drawn) {
-  const TrackerMoment& moment = *row.moment;
-  measure::LinePlot plot{.title = fmt::format("{}: {} around its worst moment", row.title, drawn.name),
+/// One shape around the worst moment; gaps are breaks.
+measure::LinePlot curves_around(const CurveComparison& comparison, const WorstMoment& moment,
+                                const std::string& title, const DrawnShape& drawn) {
+  measure::LinePlot plot{.title = fmt::format("{}: {} around its worst moment", title, drawn.name),
                          .x_label = "time (s)",
                          .y_label = "weight",
                          .lines = {},
                          .y_low = 0.0,
                          .y_high = 1.0,
                          .height = 200};
-  measure::Line truth{"truth", moment.time_s, {}};
-  for (const face::BlendshapeWeights& weights : moment.truth)
-    truth.y.push_back(static_cast<double>(weights[drawn.shape]));
-  plot.lines.push_back(std::move(truth));
-  for (const TrackerMoment::Line& line : moment.lines) {
-    if (!line.told[drawn.shape]) continue;
-    measure::Line curve{line.name, moment.time_s, {}};
-    for (std::size_t f = 0; f < line.shown.size(); ++f)
-      curve.y.push_back(line.saw[f] ? static_cast<double>(line.shown[f][drawn.shape]) : kNoValue);
-    plot.lines.push_back(std::move(curve));
-  }
+  const auto add = [&](const std::string& name, const auto& weight_of) {
+    measure::Line& line = plot.lines.emplace_back(measure::Line{name, {}, {}});
+    for (std::size_t f = moment.begin; f < moment.end; ++f) {
+      line.x.push_back(comparison.time_s[f]);
+      line.y.push_back(weight_of(f));
+    }
+  };
+  add("truth", [&](std::size_t f) { return double{comparison.truth[f][drawn.shape]}; });
+  for (const CurveScore& score : comparison.scores)
+    if (score.told_shapes[drawn.shape])
+      add(score.name,
+          [&](std::size_t f) { return score.saw[f] ? double{score.shown[f][drawn.shape]} : kNoValue; });
   return plot;
 }
 
-std::vector<measure::KeyFigure> tracker_key_figures(const TrackersStudy& study) {
+std::vector<measure::KeyFigure> tracker_key_figures(const CurveComparison& comparison,
+                                                    const std::string& title) {
   std::vector<measure::KeyFigure> out;
-  for (const TrackersRow& row : study.rows) {
-    const TrackerMethod* own = row.find(study.reference);
-    if (own == nullptr) {
-      const char* offset = study.shared_clock ? "" : ", its offset taken out";
-      for (const TrackerMethod& method : row.methods) {
-        const auto held = method.over(TrackerMeasure::pve_whole);
-        out.push_back({fmt::format("{}, {}", method.name, row.title),
-                       held ? fmt::format("{:.2f} mm", held->mean) : "-",
-                       fmt::format("{}; {:.1f} % of the frames in gaps",
-                                   held ? fmt::format("vertex error, gaps held, all shapes{}", offset)
-                                        : "its offset was not found",
-                                   100 * method.over(TrackerMeasure::gap_share)->mean)});
-      }
-      continue;
-    }
-    // The best of the others is what ours is held against.
-    const TrackerMethod* best = nullptr;
-    double least = 0;
-    for (const TrackerMethod& method : row.methods) {
-      const auto mean = method.over(TrackerMeasure::pve_whole);
-      if (&method == own || !mean || (best != nullptr && mean->mean >= least)) continue;
-      best = &method;
-      least = mean->mean;
-    }
-    const auto mean = own->over(TrackerMeasure::pve_whole);
-    if (mean)
-      out.push_back({fmt::format("{}, {}", own->name, row.title), fmt::format("{:.2f} mm", mean->mean),
-                     best != nullptr ? fmt::format("vertex error, gaps held; {} {:.2f}", best->name, least)
-                                     : "vertex error"});
+  for (const CurveScore& score : comparison.scores) {
+    const std::string of_what = score.offset_unknown ? "its offset was not found"
+                                : comparison.shared_clock
+                                    ? "vertex error, gaps held, all shapes"
+                                    : "vertex error, gaps held, all shapes, its offset taken out";
+    out.push_back({fmt::format("{}, {}", score.name, title),
+                   score.offset_unknown ? "-" : fmt::format("{:.2f} mm", score.pve_whole_mm),
+                   fmt::format("{}; {:.1f} % of the frames in gaps", of_what, 100 * score.gap_share)});
   }
   return out;
-}
-
-Result<void> add_pictures(const TrackersRow& row, std::span<const TrackerPicture> pictures,
-                          measure::Report& report) {
-  for (const TrackerPicture& picture : pictures) {
-    if (picture.row != row.key || !picture.strip) continue;
-    MIEN_TRY_ASSIGN(const std::vector<std::byte> png, render::encode_png(*picture.strip));
-    report.image(png, picture.caption);
-  }
-  return {};
-}
-
-std::string moment_caption(const TrackersRow& row, const std::string& reference) {
-  const std::string who =
-      row.key == "recording" ? "" : fmt::format(" Performer {}.", row.moment->performer + 1);
-  const std::string above = row.find(reference) == nullptr ? ""
-                                                           : fmt::format(", {:.2f} mm above that of {}",
-                                                                         row.moment->above_mm, reference);
-  return fmt::format(
-      "{}: {} is worst at {:.2f} s, with a vertex error of {:.2f} mm over that second{}, gaps held.{} Lines "
-      "break where a tracker saw no face.",
-      row.title, row.moment->worst, row.moment->worst_s, row.moment->pve_mm, above, who);
 }
 
 constexpr int kStripCell_px = 160;
@@ -190,16 +106,7 @@ std::size_t nearest_frame(const std::vector<double>& time_s, double sought_s) {
   return static_cast<std::size_t>(nearest - time_s.begin());
 }
 
-measure::Table sources_table(const ModelledTracker& tracker) {
-  measure::Table table;
-  table.caption = tracker.name + ": where its numbers come from";
-  table.columns = {"number", "value", "source"};
-  for (const ModelledNumber& number : tracker.numbers)
-    table.rows.push_back({number.what, number.value, number.source});
-  return table;
-}
-
-std::string trackers_legend(const TrackersStudy& study) {
+std::string trackers_legend(bool shared_clock) {
   std::string out =
       "All on one time line: the truth's frames in the time that all recordings share. In gaps: frames "
       "without a face, or more than three periods without a row. PVE seen: vertex error over the frames that "
@@ -207,145 +114,133 @@ std::string trackers_legend(const TrackersStudy& study) {
       "frames, an avatar keeping the last face in gaps. Up to there, and for landmarks, shapes that a "
       "tracker does not tell are taken from the truth; all shapes: they stay 0. MSE told: over the shapes "
       "that it tells, held; common: over those that all tell.";
-  if (!study.shared_clock)
+  if (!shared_clock)
     out +=
         " These recordings share no clock. Each is counted from its first row, so that its lag has in it "
         "when somebody began to record; what is found of it is taken out of all but PVE seen, of every "
         "tracker alike, and no tracker's own lateness counts.";
-  if (!study.reference.empty())
-    out += fmt::format(
-        " Above {}: by how much its error of all shapes is higher, performer by performer, so that what they "
-        "have in common cancels; its interval is that of the differences.",
-        study.reference);
-  if (!of_recordings(study)) out += " Behind ±: half of the 95 % interval over performers (Student's t).";
   return out + " All else: docs/reference/tracker_curves.md.";
-}
-
-std::vector<std::string> offset_notices(const TrackersStudy& study) {
-  std::vector<std::string> out;
-  for (const std::string& name : study.offset_unknown)
-    out.push_back(fmt::format(
-        "{}: how much earlier or later it began than the truth was not found (not within --search, or too "
-        "little agrees), so its errors over all frames are left out; its PVE seen has that offset in it.",
-        name));
-  return out;
 }
 
 }  // namespace
 
-std::string modelled_notice() {
-  return "Modelled, not measured: no camera looked at anybody here. The camera trackers are models, made of "
-         "what is published of each and of assumptions where nothing is; the numbers that matter most stand "
-         "below with their sources. Their delays have a camera's exposure and a webcam's buffer in them, "
-         "ours no radio. Ours is measured on simulated sensors that are worn by virtual performers. What "
-         "these figures say is where trackers of each kind must fail and what that costs; how large their "
-         "errors are on real faces only recordings tell (mien study trackers --truth FILE --curves "
-         "NAME=FILE).";
+const Columns<CurveScore>& tracker_columns() {
+  using S = CurveScore;
+  const auto of = [](std::optional<CurveErrors> S::*errors, double CurveErrors::*figure) {
+    return [=](const S& score) { return score.*errors ? Json((*(score.*errors)).*figure) : Json(); };
+  };
+  // Over all frames.
+  const auto held = [](const auto& figure) {
+    return [=](const S& score) { return score.offset_unknown ? Json() : Json(figure(score)); };
+  };
+  static const Columns<S> columns = {
+      {"name", "", "{}", &S::name},
+      {"told_shapes", "shapes", "{}", [](const S& s) { return s.told_shapes.count(); }},
+      {"", "in gaps, %", "{:.1f}", &S::gap_share, 100},
+      {"pve_seen_mm", "PVE seen, mm", "{:.2f}", of(&S::as_told, &CurveErrors::pve_mm)},
+      {"pve_without_lag_mm", "without lag", "{:.2f}", of(&S::without_lag, &CurveErrors::pve_mm)},
+      {"pve_held_mm", "held", "{:.2f}", held([](const S& s) { return s.held.pve_mm; })},
+      {"pve_whole_mm", "held, all shapes", "{:.2f}", held([](const S& s) { return s.pve_whole_mm; })},
+      {"pve_face_held_mm", "", "", held([](const S& s) { return or_null(s.held.pve_face_mm); })},
+      {"landmarks_held_mm", "landmarks, mm", "{:.2f}",
+       held([](const S& s) { return or_null(s.held.landmarks_mm); })},
+      {"mse_seen", "", "", of(&S::as_told, &CurveErrors::mse_told)},
+      {"mse_without_lag", "", "", of(&S::without_lag, &CurveErrors::mse_told)},
+      {"mse_held", "MSE told", "{:.4f}", held([](const S& s) { return s.held.mse_told; })},
+      {"mse_common", "MSE common", "{:.4f}", held([](const S& s) { return or_null(s.held.mse_common); })},
+      {"mse_whole", "", "", held([](const S& s) { return s.mse_whole; })},
+      {"gap_share", "", "", &S::gap_share},
+      {"lag_ms", "", "", [](const S& s) { return s.lag ? Json(1e3 * s.lag->lag_s) : Json(); }},
+      {"lag_sigma_ms", "", "", [](const S& s) { return s.lag ? Json(1e3 * s.lag->sigma_s) : Json(); }}};
+  return columns;
 }
 
-measure::Table trackers_table(const TrackersStudy& study) {
-  measure::Table table;
-  table.caption = study.modelled       ? "Errors by condition; camera trackers are modelled"
-                  : study.shared_clock ? "Errors"
-                                       : "Errors; each recording's offset is taken out of all but PVE seen";
-  table.columns = {"", "shapes"};
-  const bool compares = !study.reference.empty();
-  for (const TrackerColumn& column : kTrackerColumns) {
-    table.columns.emplace_back(column.head);
-    if (compares && column.measure == kAboveMeasure) table.columns.push_back("above " + study.reference);
-  }
-  for (const TrackersRow& row : study.rows) {
-    table.strong_rows.push_back(table.rows.size());
-    table.rows.push_back({row_head(row)});
-    for (const TrackerMethod& method : row.methods) {
-      std::vector<std::string>& cells = table.rows.emplace_back();
-      cells = {method.name, std::to_string(method.told)};
-      for (const TrackerColumn& column : kTrackerColumns) {
-        cells.push_back(shown_mean(method.over(column.measure), column.decimals, column.factor));
-        if (compares && column.measure == kAboveMeasure)
-          cells.push_back(shown_above(method, row.find(study.reference)));
-      }
+std::optional<WorstMoment> worst_moment(const CurveComparison& comparison) {
+  std::optional<WorstMoment> out;
+  const std::vector<double>& time_s = comparison.time_s;
+  for (const CurveScore& score : comparison.scores) {
+    if (score.offset_unknown) continue;
+    // A window that slides over the time: what comes in at its end leaves at its beginning.
+    double sum_mm = 0;
+    std::size_t begin = 0;
+    for (std::size_t end = 0; end < time_s.size(); ++end) {
+      sum_mm += score.pve_mm[end];
+      for (; time_s[end] - time_s[begin] > kMoment_s; ++begin) sum_mm -= score.pve_mm[begin];
+      const double mean_mm = sum_mm / static_cast<double>(end - begin + 1);
+      const bool whole = time_s[end] - time_s[begin] > 0.9 * kMoment_s || end + 1 == time_s.size();
+      if (whole && (!out || mean_mm > out->pve_mm))
+        out = {.tracker = score.name, .time_s = 0.5 * (time_s[begin] + time_s[end]), .pve_mm = mean_mm};
     }
   }
-  return table;
+  if (!out) return out;
+  const auto is_near = [&](double frame_s) { return std::abs(frame_s - out->time_s) <= kMomentEachWay_s; };
+  const auto first = std::ranges::find_if(time_s, is_near);
+  out->begin = static_cast<std::size_t>(first - time_s.begin());
+  out->end = static_cast<std::size_t>(std::find_if_not(first, time_s.end(), is_near) - time_s.begin());
+  return out;
 }
 
-measure::Table lag_table(const TrackersStudy& study) {
-  measure::Table table;
-  table.caption =
-      !study.shared_clock
-          ? "Behind the truth, ms: lag and, since recordings share no clock, how much earlier each began"
-      : of_recordings(study) ? "Lag behind the truth, ms"
-                             : "Lag behind the truth, ms; found: performances in which it could be told";
-  table.columns = {"", "lag", "standard error of one", "found"};
-  for (const TrackersRow& row : study.rows) {
-    table.strong_rows.push_back(table.rows.size());
-    table.rows.push_back({row.title});
-    for (const TrackerMethod& method : row.methods) {
-      const std::optional<TrackerMean> lag = method.over(TrackerMeasure::lag);
-      table.rows.push_back({method.name, shown_mean(lag, 0, 1),
-                            lag ? fmt::format("{:.0f}", method.over(TrackerMeasure::lag_sigma)->mean) : "-",
-                            fmt::format("{} of {}", lag ? lag->performers : 0, method.performers.size())});
+Result<measure::Report> trackers_report(const CurveComparison& comparison, const std::string& title,
+                                        const std::string& subtitle,
+                                        const std::optional<render::Image>& strip) {
+  measure::Report report("Trackers on one time line", subtitle);
+  for (const CurveScore& score : comparison.scores)
+    if (score.offset_unknown)
+      report.text(fmt::format(
+          "{}: how much earlier or later it began than the truth was not found (not within --search, or too "
+          "little agrees), so its errors over all frames are left out; its PVE seen has that offset in it.",
+          score.name));
+  report.key_figures(tracker_key_figures(comparison, title));
+  const bool shared = comparison.shared_clock;
+  report.bars(tracker_bars(comparison, title,
+                           shared ? "Vertex error, gaps held, all shapes"
+                                  : "Vertex error, gaps held, all shapes, offsets taken out",
+                           "PVE (mm)", [](const CurveScore& score) {
+                             return score.offset_unknown ? kNoValue : score.pve_whole_mm;
+                           }));
+  report.bars(tracker_bars(comparison, title, "Frames in gaps", "share (%)",
+                           [](const CurveScore& score) { return 100 * score.gap_share; }));
+  report.table(
+      table_of(fmt::format("Errors; all tell {} shapes{}", comparison.common.count(),
+                           shared ? "" : "; each recording's offset is taken out of all but PVE seen"),
+               comparison.scores, tracker_columns()));
+  report.table(table_of(shared ? "Lag behind the truth, ms"
+                               : "Behind the truth, ms: lag and, since recordings share no clock, how much "
+                                 "earlier each began",
+                        comparison.scores, lag_columns()));
+  if (const auto moment = worst_moment(comparison)) {
+    report.heading("Worst moments");
+    report.text(
+        fmt::format("{}: {} is worst at {:.2f} s, with a vertex error of {:.2f} mm over that second, gaps "
+                    "held. Lines break where a tracker saw no face.",
+                    title, moment->tracker, moment->time_s, moment->pve_mm));
+    if (strip) {
+      MIEN_TRY_ASSIGN(const std::vector<std::byte> png, render::encode_png(*strip));
+      report.image(png, fmt::format("{}: the worst moment. Pale: the tracker saw no face.", title));
     }
-  }
-  return table;
-}
-
-Result<measure::Report> trackers_report(const TrackersStudy& study, const std::string& subtitle,
-                                        std::span<const TrackerPicture> pictures) {
-  measure::Report report(
-      study.modelled ? "Camera trackers beside the IMUs (modelled)" : "Trackers on one time line", subtitle);
-  if (study.modelled) report.text(modelled_notice());
-  for (const std::string& notice : offset_notices(study)) report.text(notice);
-  report.key_figures(tracker_key_figures(study));
-  report.bars(bars_of(study, TrackerMeasure::pve_whole,
-                      study.shared_clock ? "Vertex error by condition, gaps held, all shapes"
-                                         : "Vertex error, gaps held, all shapes, offsets taken out",
-                      "PVE (mm)", 1));
-  report.bars(bars_of(study, TrackerMeasure::gap_share, "Frames in gaps", "share (%)", 100));
-  report.table(trackers_table(study));
-  report.table(lag_table(study));
-  const auto has_moment = [](const TrackersRow& row) { return row.moment.has_value(); };
-  if (std::ranges::any_of(study.rows, has_moment)) report.heading("Worst moments");
-  for (const TrackersRow& row : study.rows) {
-    if (!row.what.empty()) report.text(row.title + ": " + row.what);
-    if (!row.moment || row.moment->time_s.empty()) continue;
-    report.text(moment_caption(row, study.reference));
-    MIEN_TRY(add_pictures(row, pictures, report));
-    for (const DrawnShape& drawn : kDrawnShapes) report.plot(curves_around(row, drawn));
+    for (const DrawnShape& drawn : kDrawnShapes)
+      report.plot(curves_around(comparison, *moment, title, drawn));
   }
   report.heading("How to read this");
-  report.text(trackers_legend(study));
-  if (study.modelled) {
-    report.heading("Where the numbers of the modelled trackers come from");
-    for (const ModelledTracker& tracker : modelled_trackers()) report.table(sources_table(tracker));
-  }
+  report.text(trackers_legend(shared));
   return report;
 }
 
-Result<TrackerPicture> tracker_picture(const face::Face& face, const TrackersRow& row) {
-  TrackerPicture out{.row = row.key, .strip = {}, .caption = {}};
-  if (!row.moment || row.moment->time_s.empty()) return out;
-  const TrackerMoment& moment = *row.moment;
-  std::vector<std::size_t> frames;
+Result<render::Image> moment_strip(const face::Face& face, const CurveComparison& comparison,
+                                   const WorstMoment& moment) {
   std::vector<std::string> captions;
+  std::vector<MomentRow> rows = {{"truth", {}}};
+  for (const CurveScore& score : comparison.scores) rows.push_back({letters_of(score.name), {}});
   for (const double aside_s : kStripTimes_s) {
-    frames.push_back(nearest_frame(moment.time_s, moment.worst_s + aside_s));
-    captions.push_back(fmt::format("{:.2f} s", moment.time_s[frames.back()]));
+    const std::size_t f = nearest_frame(comparison.time_s, moment.time_s + aside_s);
+    captions.push_back(fmt::format("{:.2f} s", comparison.time_s[f]));
+    rows[0].weights.emplace_back(comparison.truth[f]);
+    for (std::size_t i = 0; i < comparison.scores.size(); ++i) {
+      const CurveScore& score = comparison.scores[i];
+      rows[i + 1].weights.push_back(score.saw[f] ? std::optional(score.shown[f]) : std::nullopt);
+    }
   }
-  std::vector<MomentRow> rows;
-  MomentRow& truth = rows.emplace_back();
-  truth.name = "truth";
-  for (const std::size_t f : frames) truth.weights.emplace_back(moment.truth[f]);
-  for (const TrackerMoment::Line& line : moment.lines) {
-    MomentRow& shown = rows.emplace_back();
-    shown.name = letters_of(line.name);
-    for (const std::size_t f : frames)
-      shown.weights.push_back(line.saw[f] ? std::optional(line.shown[f]) : std::nullopt);
-  }
-  MIEN_TRY_ASSIGN(out.strip, moments_strip(face, rows, captions, kStripCell_px));
-  out.caption = fmt::format("{}: the worst moment. Pale: the tracker saw no face.", row.title);
-  return out;
+  return moments_strip(face, rows, captions, kStripCell_px);
 }
 
 }  // namespace mien::lab

@@ -8,7 +8,6 @@
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <utility>
 
 #include "mien/core/files.h"
@@ -18,7 +17,6 @@
 #include "mien/model/denoiser.h"
 #include "mien/model/views_network.h"
 #include "mien/onnx/export_model.h"
-#include "mien/onnx/rival_graphs.h"
 #include "tests/folder.h"
 #include "tests/model/random_backbone.h"
 #include "tests/onnx/example_models.h"
@@ -215,18 +213,6 @@ TEST(OnnxRuntime, TheModelsThatAreInstalled) {
                 causal_difference(onnx_of(headset).value(), "answer", headset.memory->architecture,
                                   headset.memory->network, 300, [](float y) { return y; }));
   expect_parity("headset.safetensors, what it answers to 40 moments", moment_difference(headset));
-}
-
-TEST(OnnxRuntime, RunsNetworksOfOthersSizes) {
-  MIEN_SKIP_WITHOUT_ONNX_RUNTIME();
-  for (const auto& [graph, numbers] :
-       {std::pair(rival_eye_graph(1), 7), std::pair(rival_mouth_graph(1), 45)}) {
-    const std::size_t pixels =
-        std::accumulate(graph.input.begin(), graph.input.end(), std::size_t{1}, std::multiplies());
-    const Json call = {{"pictures", tensor(graph.input, Floats(pixels, 0.5F))}};
-    const Json answers = replay(graph.onnx, Json::array({call}));
-    EXPECT_EQ(answers.at(0).at("answer").at("data").size(), static_cast<std::size_t>(numbers));
-  }
 }
 
 TEST(OnnxRuntime, StepsInOneGraphAreTheStepsOneByOne) {

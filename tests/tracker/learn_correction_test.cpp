@@ -8,7 +8,6 @@
 #include "mien/core/random.h"
 #include "mien/model/schedule.h"
 #include "mien/tracker/causal_tracker.h"
-#include "mien/tracker/crowd.h"
 #include "mien/tracker/model_input.h"
 #include "tests/tracker/tiny_model.h"
 #include "tests/tracker/turning_sensors.h"
@@ -99,17 +98,8 @@ TEST(LearnCorrection, LearnsWhatAWearerDoesOtherwise) {
   model::ModelFile again = file;
   ASSERT_TRUE(learn_correction(features, taught, kSensors, small_face(), again));
   EXPECT_EQ(again.correction, file.correction);
-  // A wearer's skin is not learnt under it, nor a crowd without it.
+  // A wearer's skin is not learnt under it.
   EXPECT_EQ(CausalTracker::create(file, kSensors)->personal(), nullptr);
-  Crowd crowd = Crowd::create(file, kSensors, 1).value();
-  CausalTracker alone = CausalTracker::create(file, kSensors).value();
-  for (std::size_t f = 0; f < 40; ++f) {
-    face::OutputFrame one, other;
-    alone.step(features[f], one);
-    const std::size_t due = 0;
-    crowd.step(std::span(&due, 1), std::span(&features[f], 1), std::span(&other, 1));
-    EXPECT_EQ(one.weights, other.weights) << f;
-  }
 }
 
 TEST(LearnCorrection, KeepsTheModelWhereNothingIsForetoldBetter) {

@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "lab/peak.h"
 #include "mien/core/random.h"
 #include "mien/core/sha256.h"
 #include "mien/model/architecture.h"
 #include "mien/model/causal_network.h"
 #include "mien/model/denoiser.h"
 #include "mien/model/linear.h"
-#include "mien/model/peak.h"
 
 // The networks' run time, each figure beside what the core can do at most, measured in this run: `of_peak` is
 // the share of the fp32 peak (bf16 and int8 may pass 1), `of_read` the share of the rate at which 8 MB are
@@ -21,12 +21,12 @@ using namespace mien;
 using model::Precision;
 
 double peak_gflops() {
-  static const double peak = model::peak_gflops();
+  static const double peak = lab::peak_gflops();
   return peak;
 }
 
 double read_gb_s() {
-  static const double rate = model::read_gb_s(std::size_t{8} << 20);
+  static const double rate = lab::read_gb_s(std::size_t{8} << 20);
   return rate;
 }
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "lab/trackers/tracker_curves.h"
-#include "lab/trackers/trackers_study.h"
+#include "lab/trackers/trackers_report.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/core/random.h"
 
@@ -98,11 +98,12 @@ TEST(CompareCurves, CountsGapsAsGaps) {
     EXPECT_GT(score.held.pve_mm, 0.02) << "what an avatar shows is not";
     EXPECT_EQ(score.saw.size(), score.shown.size());
   }
-  const TrackerMoment moment = worst_moment(*compared, {});
-  EXPECT_GT(moment.worst_s, 4);
-  EXPECT_LT(moment.worst_s, 6.5);
-  EXPECT_EQ(moment.lines.size(), 2U);
-  EXPECT_EQ(moment.lines[0].shown.size(), moment.time_s.size());
+  const auto moment = worst_moment(*compared);
+  ASSERT_TRUE(moment);
+  EXPECT_GT(moment->time_s, 4);
+  EXPECT_LT(moment->time_s, 6.5);
+  EXPECT_NEAR(compared->time_s[moment->begin], moment->time_s - 2.5, 1.0 / 60);
+  EXPECT_NEAR(compared->time_s[moment->end - 1], moment->time_s + 2.5, 1.0 / 60);
 }
 
 TEST(CompareCurves, HoldsNobodyToWhatHeDoesNotTell) {
@@ -242,58 +243,20 @@ TEST(CompareCurves, LeavesOutWhatHasAnUnknownOffsetInIt) {
       compare_curves(meter(), truth, told_small(), {.search_s = 0.2, .shared_clock = false});
   ASSERT_TRUE(compared) << compared.error().message();
   EXPECT_TRUE(compared->scores[1].offset_unknown);
-  const TrackersStudy study = study_of(*compared, "take.mien");
-  EXPECT_FALSE(study.shared_clock);
-  EXPECT_EQ(study.offset_unknown, std::vector<std::string>{"before it"});
-  const TrackerMethod &with = study.rows[0].methods[0], &before = study.rows[0].methods[1];
-  EXPECT_TRUE(with.over(TrackerMeasure::pve_whole));
-  for (const TrackerMeasure measure : {TrackerMeasure::pve_held, TrackerMeasure::pve_whole,
-                                       TrackerMeasure::mse_common, TrackerMeasure::mse_whole})
-    EXPECT_FALSE(before.over(measure)) << tracker_measure_name(measure);
-  EXPECT_TRUE(before.over(TrackerMeasure::pve_seen));
-  ASSERT_TRUE(study.rows[0].moment);
-  EXPECT_EQ(study.rows[0].moment->worst, "with it") << "the other is worse by its offset alone";
+  const Json with = json_of(compared->scores[0], tracker_columns()),
+             before = json_of(compared->scores[1], tracker_columns());
+  EXPECT_FALSE(with.at("pve_whole_mm").is_null());
+  for (const char* name : {"pve_held_mm", "pve_whole_mm", "mse_common", "mse_whole"})
+    EXPECT_TRUE(before.at(name).is_null()) << name;
+  EXPECT_FALSE(before.at("pve_seen_mm").is_null());
+  const auto moment = worst_moment(*compared);
+  ASSERT_TRUE(moment);
+  EXPECT_EQ(moment->tracker, "with it") << "the other is worse by its offset alone";
 
   const std::vector<TrackerCurves> alone = {told_small()[1]};
   const auto nobody = compare_curves(meter(), truth, alone, {.search_s = 0.2, .shared_clock = false});
   ASSERT_TRUE(nobody) << nobody.error().message();
-  EXPECT_FALSE(study_of(*nobody, "take.mien").rows[0].moment);
-}
-
-TEST(WorstMoment, IsHeldAgainstTheReference) {
-  const TrackerCurves truth = told_by("truth", 0, 10, 60);
-  std::vector<TrackerCurves> trackers = {told_by("ours", 0, 10, 60), told_by("phone", 0, 10, 60)};
-  const auto neutral = [](TrackerCurves& curves, double from_s, double to_s) {
-    for (TrackerRow& row : curves.rows)
-      if (row.time_s > from_s && row.time_s < to_s) row.weights = face::BlendshapeWeights{};
-  };
-  // Both are wrong from 2 to 4 s, the phone alone is, by half as much, from 7 to 9 s.
-  for (TrackerCurves& curves : trackers) neutral(curves, 2, 4);
-  for (TrackerRow& row : trackers[1].rows)
-    if (row.time_s > 7 && row.time_s < 9)
-      for (float& weight : row.weights->values) weight *= 0.5F;
-  const auto compared = compare_curves(meter(), truth, trackers);
-  ASSERT_TRUE(compared) << compared.error().message();
-  const TrackerMoment beside = worst_moment(*compared, "ours"), alone = worst_moment(*compared, {});
-  EXPECT_EQ(beside.worst, "phone");
-  EXPECT_GT(beside.worst_s, 7);
-  EXPECT_NEAR(beside.above_mm, beside.pve_mm, 1e-4) << "ours is right there";
-  EXPECT_LT(alone.worst_s, 4);
-  EXPECT_EQ(alone.above_mm, alone.pve_mm);
-  EXPECT_GT(alone.pve_mm, beside.pve_mm);
-
-  TrackersRow row;
-  row.keep_worst({});
-  EXPECT_FALSE(row.moment) << "there was none";
-  TrackerMoment easy = beside, hard = beside;
-  easy.pve_mm = 3;
-  easy.above_mm = 0.1;  // A performance that is hard for everybody.
-  hard.pve_mm = 2;
-  hard.above_mm = 1.5;
-  hard.performer = 1;
-  for (const TrackerMoment& moment : {easy, hard, easy}) row.keep_worst(moment);
-  ASSERT_TRUE(row.moment);
-  EXPECT_EQ(row.moment->performer, 1U);
+  EXPECT_FALSE(worst_moment(*nobody));
 }
 
 TEST(CompareCurves, SaysWhatCannotBeCompared) {
@@ -320,29 +283,6 @@ TEST(CompareCurves, SaysWhatCannotBeCompared) {
   for (TrackerRow& row : faceless.rows) row.weights.reset();
   const std::vector<TrackerCurves> one = {told_by("x", 0, 5, 60)};
   EXPECT_EQ(compare_curves(meter(), faceless, one).error().code, ErrorCode::not_found);
-}
-
-TEST(MeanOverPerformers, HasAnIntervalOfTwoOrMore) {
-  EXPECT_FALSE(mean_over_performers({}));
-  EXPECT_FALSE(mean_over_performers({3})->interval);
-  const std::vector<double> values = {1, 2, 3, 4, 5};
-  const auto mean = mean_over_performers(values);
-  EXPECT_DOUBLE_EQ(mean->mean, 3);
-  ASSERT_TRUE(mean->interval);
-  EXPECT_NEAR((*mean->interval)[1] - 3, 2.776 * std::sqrt(2.5 / 5), 0.01);
-  EXPECT_NEAR(3 - (*mean->interval)[0], 2.776 * std::sqrt(2.5 / 5), 0.01);
-}
-
-TEST(TrackerMethod, IsHeldAgainstAnotherPerformerByPerformer) {
-  TrackerMethod a{"a", 1, std::vector<TrackerFigures>(3)}, b = a;
-  const auto pve = static_cast<std::size_t>(TrackerMeasure::pve_whole);
-  a.performers[0][pve] = 3;
-  b.performers[0][pve] = 1;
-  a.performers[2][pve] = 6;
-  b.performers[2][pve] = 4;
-  b.performers[1][pve] = 100;
-  EXPECT_DOUBLE_EQ(a.above(b, TrackerMeasure::pve_whole)->mean, 2) << "where both have it";
-  EXPECT_FALSE(a.above(b, TrackerMeasure::lag));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "mien/onnx/rival_graphs.h"
+#include "lab/bench/rival_graphs.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "mien/core/random.h"
 #include "mien/onnx/graph.h"
 
-namespace mien::onnx {
+namespace mien::lab {
 namespace {
 
 using Integers = std::vector<std::int64_t>;
@@ -17,7 +17,7 @@ using Integers = std::vector<std::int64_t>;
 /// Adds layers with weights that keep the numbers' size.
 class Layers {
  public:
-  Layers(Graph& graph, std::uint64_t seed) : graph_(graph), random_(seed) {}
+  Layers(onnx::Graph& graph, std::uint64_t seed) : graph_(graph), random_(seed) {}
 
   struct Convolution {
     std::size_t in = 1, out = 1, kernel = 1, stride = 1, groups = 1;
@@ -54,12 +54,12 @@ class Layers {
     return graph_.constant(fmt::format("weights.{}", number_++), shape, values);
   }
 
-  Graph& graph_;
+  onnx::Graph& graph_;
   Random random_;
   std::size_t number_ = 0;
 };
 
-void add_pictures(Graph& graph, const std::vector<std::size_t>& shape) {
+void add_pictures(onnx::Graph& graph, const std::vector<std::size_t>& shape) {
   graph.input({.name = "pictures",
                .shape = {shape.begin(), shape.end()},
                .says = "Pictures, line by line, 0 (black) to 1."});
@@ -70,8 +70,8 @@ struct Stage {
   std::size_t expansion, out, repeats, stride, kernel;
 };
 
-std::string add_block(Graph& graph, Layers& layers, const std::string& x, std::size_t in, const Stage& stage,
-                      std::size_t stride) {
+std::string add_block(onnx::Graph& graph, Layers& layers, const std::string& x, std::size_t in,
+                      const Stage& stage, std::size_t stride) {
   const std::size_t wide = in * stage.expansion, squeezed = std::max<std::size_t>(1, in / 4);
   std::string y = x;
   if (stage.expansion > 1) y = layers.swish(layers.convolve(y, {.in = in, .out = wide}));
@@ -89,7 +89,7 @@ std::string add_block(Graph& graph, Layers& layers, const std::string& x, std::s
 RivalGraph rival_eye_graph(std::uint64_t seed) {
   constexpr std::size_t kSide = 112, kPictures = 4, kNumbers = 7;
   RivalGraph rival{.onnx = {}, .input = {1, kPictures, kSide, kSide}};
-  Graph graph("rival_eye", "A network of the size of open eye trackers', with random weights.");
+  onnx::Graph graph("rival_eye", "A network of the size of open eye trackers', with random weights.");
   add_pictures(graph, rival.input);
   Layers layers(graph, seed);
   std::string x = "pictures";
@@ -110,7 +110,7 @@ RivalGraph rival_mouth_graph(std::uint64_t seed) {
   constexpr Stage kStages[] = {{1, 16, 1, 1, 3},  {6, 24, 2, 2, 3},  {6, 40, 2, 2, 5}, {6, 80, 3, 2, 3},
                                {6, 112, 3, 1, 5}, {6, 192, 4, 2, 5}, {6, 320, 1, 1, 3}};
   RivalGraph rival{.onnx = {}, .input = {1, 1, kSide, kSide}};
-  Graph graph("rival_mouth", "EfficientNet-B0 with random weights.");
+  onnx::Graph graph("rival_mouth", "EfficientNet-B0 with random weights.");
   add_pictures(graph, rival.input);
   Layers layers(graph, seed);
   std::string x =
@@ -127,4 +127,4 @@ RivalGraph rival_mouth_graph(std::uint64_t seed) {
   return rival;
 }
 
-}  // namespace mien::onnx
+}  // namespace mien::lab

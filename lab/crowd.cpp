@@ -1,4 +1,4 @@
-#include "mien/tracker/crowd.h"
+#include "lab/crowd.h"
 
 #include <algorithm>
 #include <cassert>
@@ -7,7 +7,7 @@
 #include "mien/model/schedule.h"
 #include "mien/tracker/causal_tracker.h"
 
-namespace mien::tracker {
+namespace mien::lab {
 
 Crowd::Crowd(const model::ModelFile& file, model::CausalNetwork network,
              const std::vector<std::string>& face_sensor_names, std::size_t performers)
@@ -15,7 +15,7 @@ Crowd::Crowd(const model::ModelFile& file, model::CausalNetwork network,
       writer_(file),
       jitter_filters_(performers),
       workspace_(network_, kTogether),
-      inputs_(kTogether, ModelInput(file, face_sensor_names)),
+      inputs_(kTogether, tracker::ModelInput(file, face_sensor_names)),
       together_(kTogether),
       conditions_(kTogether * file.features.width()),
       answers_(kTogether * face::kShapeCount) {
@@ -26,7 +26,7 @@ Crowd::Crowd(const model::ModelFile& file, model::CausalNetwork network,
 Result<Crowd> Crowd::create(const model::ModelFile& file, const std::vector<std::string>& face_sensor_names,
                             std::size_t performers, model::Precision precision) {
   // The checks of one performer hold for all.
-  MIEN_TRY(CausalTracker::create(file, face_sensor_names, precision));
+  MIEN_TRY(tracker::CausalTracker::create(file, face_sensor_names, precision));
   MIEN_TRY_ASSIGN(model::CausalNetwork network,
                   model::CausalNetwork::create(file.architecture, file.network, precision));
   if (file.correction) network.correct(&*file.correction);
@@ -59,4 +59,4 @@ void Crowd::step_together(std::span<const std::size_t> due, std::span<const mode
   }
 }
 
-}  // namespace mien::tracker
+}  // namespace mien::lab

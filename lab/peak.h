@@ -4,8 +4,8 @@
 
 /// What one core can do at most, measured: a benchmark's figures mean something only beside these, from the
 /// same run. The best of many short tries, so that a neighbour's work hardly shows. In the variant that
-/// kernel_name() names.
-namespace mien::model {
+/// model::kernel_name() names.
+namespace mien::lab {
 
 /// fp32 multiplications and additions in a second, fused and all in registers, in units of 1e9 (one fused is
 /// two). About 20 ms.
@@ -15,4 +15,4 @@ namespace mien::model {
 /// most CPUs. About 20 ms for these.
 [[nodiscard]] double read_gb_s(std::size_t bytes);
 
-}  // namespace mien::model
+}  // namespace mien::lab

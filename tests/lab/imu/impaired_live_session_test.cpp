@@ -1,16 +1,16 @@
-// A session behind bad networks and devices in trouble: the simulator of mien/virtual feeds it as a socket
-// would.
+// A session behind bad networks and devices in trouble: impair() feeds it as a socket would.
 
 #include <gtest/gtest.h>
 
 #include <iostream>
 
-#include "mien/virtual/imu/impair.h"
+#include "lab/imu/impair.h"
 #include "tests/session/session_run.h"
 
-namespace mien::session::network_test {
+namespace mien::lab::impaired_live_session_test {
 namespace {
 
+namespace test = session::test;
 using face::Provenance;
 using face::shape;
 using test::kPrologue_s;
@@ -73,7 +73,7 @@ TEST(SessionBehindANetwork, StaysSoundWhateverItDoes) {
   const sensor::Rig rig = virt::test::three_sensors();
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
-    const auto worse = virt::impair(performed, rig, c.network, Random(9), c.troubles);
+    const auto worse = impair(performed, rig, c.network, Random(9), c.troubles);
     ASSERT_TRUE(worse) << worse.error().message();
     const auto session = test::session();
     const Played played = test::run(*session, worse->entries);
@@ -144,7 +144,7 @@ TEST(SessionBehindANetwork, FramesAreHeldForLatePacketsAndTheHoldIsSaid) {
   // From 0 to 100 ms on every packet.
   const virt::NetworkSettings late =
       with([](auto& s) { s.jitter_ms = 50, s.jitter = virt::NetworkSettings::Jitter::uniform; });
-  const auto worse = virt::impair(performed, rig, late, Random(9)).value();
+  const auto worse = impair(performed, rig, late, Random(9)).value();
   const Played played = test::run(*test::session(), worse.entries);
   test::expect_sound(played);
   EXPECT_GE(played.report.hold, std::chrono::milliseconds(50));
@@ -158,7 +158,7 @@ TEST(SessionBehindANetwork, AFrozenSensorIsSaid) {
   const virt::VirtualSession performed = test::performance(8);
   virt::DeviceTroubles frozen;
   frozen.frozen = {{0, kPrologue_s + 2, 100}};
-  const auto worse = virt::impair(performed, virt::test::three_sensors(), {}, Random(9), frozen).value();
+  const auto worse = impair(performed, virt::test::three_sensors(), {}, Random(9), frozen).value();
   const auto session = test::session();
   const Played played = test::run(*session, worse.entries);
   test::expect_sound(played);
@@ -170,11 +170,11 @@ TEST(SessionBehindANetwork, ALostSensorIsNeverGreen) {
   const virt::VirtualSession performed = test::performance(6);
   virt::DeviceTroubles silent;
   silent.silences = {{std::uint16_t{1}, kPrologue_s + 2, 100}};
-  const auto worse = virt::impair(performed, virt::test::three_sensors(), {}, Random(9), silent).value();
+  const auto worse = impair(performed, virt::test::three_sensors(), {}, Random(9), silent).value();
   const Played played = test::run(*test::session(), worse.entries);
   EXPECT_EQ(played.report.links[1].health.state, sensor::LinkState::lost);
   EXPECT_EQ(played.count("sensor_lost"), 1u);
 }
 
 }  // namespace
-}  // namespace mien::session::network_test
+}  // namespace mien::lab::impaired_live_session_test

@@ -1,10 +1,10 @@
-#include "mien/virtual/eyewear/marker_capture.h"
+#include "lab/eyewear/marker_capture.h"
 
 #include <algorithm>
 #include <limits>
 #include <utility>
 
-namespace mien::virt {
+namespace mien::lab {
 namespace {
 
 double until_next_s(Random& random, double per_min) {
@@ -13,7 +13,8 @@ double until_next_s(Random& random, double per_min) {
 
 }  // namespace
 
-MarkerCapture::MarkerCapture(const EyewearFaults& faults, std::vector<Vec3> neutral_m, const Random& random)
+MarkerCapture::MarkerCapture(const virt::EyewearFaults& faults, std::vector<Vec3> neutral_m,
+                             const Random& random)
     : faults_(faults),
       neutral_m_(std::move(neutral_m)),
       jitter_(random.fork("jitter")),
@@ -61,4 +62,4 @@ Eigen::VectorXd MarkerCapture::capture(double time_s, const Eigen::VectorXd& mar
   return seen;
 }
 
-}  // namespace mien::virt
+}  // namespace mien::lab

@@ -1,4 +1,4 @@
-#include "mien/measure/motion_statistics.h"
+#include "lab/motion_statistics.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "mien/performer/performer.h"
 #include "tests/project_path.h"
 
-namespace mien::measure::motion_statistics_test {
+namespace mien::lab::motion_statistics_test {
 namespace {
 
 using face::shape;
@@ -136,4 +136,4 @@ TEST(MotionStatistics, TableSaysWithWhomTheOthersAgree) {
 }
 
 }  // namespace
-}  // namespace mien::measure::motion_statistics_test
+}  // namespace mien::lab::motion_statistics_test

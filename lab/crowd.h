@@ -15,18 +15,18 @@
 #include "mien/tracker/jitter_filter.h"
 #include "mien/tracker/model_input.h"
 
-namespace mien::tracker {
+namespace mien::lab {
 
 /// Many performers of one model and one rig on one core: frames that are due pass the network as a batch, so
-/// that its weights are read once. Each result equals, to the bit, that of a CausalTracker of its own. One
-/// thread.
+/// that its weights are read once. Each result equals, to the bit, that of a tracker::CausalTracker of its
+/// own. One thread.
 class Crowd {
  public:
-  /// Errors: as CausalTracker::create().
+  /// Errors: as tracker::CausalTracker::create().
   [[nodiscard]] static Result<Crowd> create(const model::ModelFile& file,
                                             const std::vector<std::string>& face_sensor_names,
                                             std::size_t performers,
-                                            model::Precision precision = kLivePrecision);
+                                            model::Precision precision = tracker::kLivePrecision);
 
   /// The next frame of the performers `due` (indices below performers(), each once); features[i] and out[i]
   /// belong to due[i], sizes equal. No allocation.
@@ -40,7 +40,6 @@ class Crowd {
   }
 
   [[nodiscard]] std::size_t performers() const { return states_.size(); }
-  [[nodiscard]] const model::CausalNetwork& network() const { return network_; }
 
   /// Batch size: their states and activations fit into the second-level cache.
   static constexpr std::size_t kTogether = 48;
@@ -52,14 +51,14 @@ class Crowd {
                      std::span<face::OutputFrame> out);
 
   model::CausalNetwork network_;
-  FrameWriter writer_;
+  tracker::FrameWriter writer_;
   std::vector<model::CausalNetwork::State> states_;
-  std::vector<JitterFilter> jitter_filters_;
+  std::vector<tracker::JitterFilter> jitter_filters_;
   // Of the batch in progress:
   model::CausalNetwork::Workspace workspace_;
-  std::vector<ModelInput> inputs_;
+  std::vector<tracker::ModelInput> inputs_;
   std::vector<model::CausalNetwork::State*> together_;
   std::vector<float> conditions_, answers_;
 };
 
-}  // namespace mien::tracker
+}  // namespace mien::lab

@@ -5,30 +5,32 @@
 #include <utility>
 #include <vector>
 
+#include "lab/imu/impair.h"
 #include "mien/imu/packets/packet.h"
 #include "mien/sensor/bindings.h"
 #include "mien/virtual/imu/device_packet.h"
-#include "mien/virtual/imu/impair.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::virt::test {
+namespace mien::lab::test {
 
 /// Twenty seconds and a prologue.
-inline const VirtualSession& session() {
-  static const VirtualSession played =
-      play_devices(performer::with_prologue(talking(1201), performer::PrologueKind::brief, Random(3)),
-                   three_sites(), three_sensors(), mild_faults(), Random(11))
+inline const virt::VirtualSession& session() {
+  static const virt::VirtualSession played =
+      virt::play_devices(
+          performer::with_prologue(virt::test::talking(1201), performer::PrologueKind::brief, Random(3)),
+          virt::test::three_sites(), virt::test::three_sensors(), virt::test::mild_faults(), Random(11))
           .value();
   return played;
 }
 
-inline VirtualSession impaired(const NetworkSettings& settings, const DeviceTroubles& troubles = {},
-                               std::uint64_t seed = 5) {
-  return impair(session(), three_sensors(), settings, Random(seed), troubles).value();
+inline virt::VirtualSession impaired(const virt::NetworkSettings& settings,
+                                     const virt::DeviceTroubles& troubles = {}, std::uint64_t seed = 5) {
+  return impair(session(), virt::test::three_sensors(), settings, Random(seed), troubles).value();
 }
 
 /// The packets of one device id, in order of arrival, with when.
-inline std::vector<std::pair<HostTime, imu::Packet>> packets(const VirtualSession& of, std::uint16_t sensor) {
+inline std::vector<std::pair<HostTime, imu::Packet>> packets(const virt::VirtualSession& of,
+                                                             std::uint16_t sensor) {
   std::vector<std::pair<HostTime, imu::Packet>> out;
   for (const take::LogEntry& entry : of.entries) {
     const auto packet = imu::parse_packet(entry.bytes);
@@ -43,7 +45,7 @@ inline double seconds(HostTime time) {
 
 /// What holds of every session: entries by arrival, samples of their entries, ticks on the grid, a truth
 /// each.
-inline void expect_sound(const VirtualSession& of) {
+inline void expect_sound(const virt::VirtualSession& of) {
   for (std::size_t i = 0; i < of.entries.size(); ++i) {
     ASSERT_EQ(of.entries[i].id, static_cast<std::int64_t>(i) + 1);
     if (i > 0) {
@@ -66,4 +68,4 @@ inline void expect_sound(const VirtualSession& of) {
   }
 }
 
-}  // namespace mien::virt::test
+}  // namespace mien::lab::test

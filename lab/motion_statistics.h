@@ -8,7 +8,7 @@
 
 #include "mien/face/motion.h"
 
-namespace mien::measure {
+namespace mien::lab {
 
 /// How one shape is used.
 struct ShapeStatistics {
@@ -83,4 +83,4 @@ inline constexpr std::array kMotionSummaries = {
 [[nodiscard]] std::string comparison_markdown(std::span<const MotionStatistics> columns,
                                               std::size_t compared = 0);
 
-}  // namespace mien::measure
+}  // namespace mien::lab

@@ -1,4 +1,4 @@
-#include "mien/virtual/eyewear/marker_capture.h"
+#include "lab/eyewear/marker_capture.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 #include "mien/sensor/rig.h"
 #include "tests/project_path.h"
 
-namespace mien::virt::marker_capture_test {
+namespace mien::lab::marker_capture_test {
 namespace {
 
 const std::vector<Vec3> kPlaces = {Vec3(0, 0, 0.1), Vec3(0.01, 0, 0.1), Vec3(0.05, 0, 0.1)};
@@ -26,12 +26,12 @@ Eigen::VectorXd truth() {
 }
 
 TEST(MarkerCapture, PerfectCaptureIsTheTruth) {
-  MarkerCapture capture(EyewearFaults{}, kPlaces, Random(1));
+  MarkerCapture capture(virt::EyewearFaults{}, kPlaces, Random(1));
   for (int i = 0; i < 100; ++i) EXPECT_EQ(capture.capture(i, truth()), truth());
 }
 
 TEST(MarkerCapture, JittersByWhatIsAsked) {
-  EyewearFaults faults;
+  virt::EyewearFaults faults;
   faults.marker_jitter_mm = 0.2;
   MarkerCapture capture(faults, kPlaces, Random(1));
   double squares = 0;
@@ -40,7 +40,7 @@ TEST(MarkerCapture, JittersByWhatIsAsked) {
 }
 
 TEST(MarkerCapture, NeighboursChangeNames) {
-  EyewearFaults faults;
+  virt::EyewearFaults faults;
   faults.mislabel_per_min = 30;
   faults.mislabel_s = 1;
   MarkerCapture capture(faults, kPlaces, Random(1));
@@ -57,7 +57,7 @@ TEST(MarkerCapture, NeighboursChangeNames) {
 }
 
 TEST(MarkerCapture, CoveredMarkersAreFoundElsewhere) {
-  EyewearFaults faults;
+  virt::EyewearFaults faults;
   faults.lost_per_min = 20;
   faults.lost_s = 0.5;
   faults.lost_mm = 30;
@@ -74,10 +74,10 @@ TEST(MarkerCapture, ItsMistakesAreFoundAndNoOthers) {
   const auto rig = sensor::read_rig(project_path("rigs/eyewear.toml"));
   const auto set = builtin_face::read_markers(project_path("rigs/markers.toml"));
   ASSERT_TRUE(rig && set);
-  const auto faults = parse_eyewear_faults(rig->faults_toml, "rig");
+  const auto faults = virt::parse_eyewear_faults(rig->faults_toml, "rig");
   const auto placed = builtin_face::PlacedMarkers::place(builtin_face::make_builtin(), *set);
   ASSERT_TRUE(faults && placed);
-  EyewearFaults exact_faults = *faults;  // The same mistakes without the jitter: what was done to whom.
+  virt::EyewearFaults exact_faults = *faults;  // The same mistakes without the jitter: what was done to whom.
   exact_faults.marker_jitter_mm = 0;
   performer::Script script;
   for (const performer::Block block : {performer::Block::expressions, performer::Block::reading})
@@ -135,4 +135,4 @@ TEST(MarkerCapture, ItsMistakesAreFoundAndNoOthers) {
 }
 
 }  // namespace
-}  // namespace mien::virt::marker_capture_test
+}  // namespace mien::lab::marker_capture_test

@@ -1,4 +1,4 @@
-#include "mien/model/peak.h"
+#include "lab/peak.h"
 
 // NEON serves the CPUs whose registers have no fixed size: such registers cannot stand in arrays.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
@@ -6,13 +6,13 @@
 // Highway compiles the part between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction
 // set.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "mien/model/peak.cpp"
+#define HWY_TARGET_INCLUDE "lab/peak.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace mien::model::HWY_NAMESPACE {
+namespace mien::lab::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes = hn::CappedTag<float, 16>;
@@ -51,7 +51,7 @@ std::uint32_t read_all(std::size_t count, const std::uint32_t* HWY_RESTRICT from
   return hn::GetLane(hn::Add(hn::Add(a, b), hn::Add(c, e)));
 }
 
-}  // namespace mien::model::HWY_NAMESPACE
+}  // namespace mien::lab::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -62,7 +62,7 @@ HWY_AFTER_NAMESPACE();
 
 #include "mien/model/aligned.h"
 
-namespace mien::model {
+namespace mien::lab {
 
 HWY_EXPORT(multiply_add);
 HWY_EXPORT(read_all);
@@ -95,11 +95,11 @@ double peak_gflops() {
 
 double read_gb_s(std::size_t bytes) {
   const std::size_t count = std::max<std::size_t>(bytes / sizeof(std::uint32_t) / 128, 1) * 128;
-  const Aligned<std::uint32_t> numbers(count);
+  const model::Aligned<std::uint32_t> numbers(count);
   volatile std::uint32_t seen = 0;  // So that reading is not left out.
   const double seconds = shortest(200, [&] { seen = HWY_DYNAMIC_DISPATCH(read_all)(count, numbers.data()); });
   return 1e-9 * static_cast<double>(count * sizeof(std::uint32_t)) / seconds;
 }
 
-}  // namespace mien::model
+}  // namespace mien::lab
 #endif

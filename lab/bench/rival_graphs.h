@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace mien::onnx {
+namespace mien::lab {
 
 /// A graph of the size of a network that another program runs, with random weights: what it costs to run, and
 /// nothing of what it knows. One input, "pictures".
@@ -22,4 +22,4 @@ struct RivalGraph {
 /// shapes: as an open mouth tracker has it.
 [[nodiscard]] RivalGraph rival_mouth_graph(std::uint64_t seed);
 
-}  // namespace mien::onnx
+}  // namespace mien::lab

@@ -1,5 +1,5 @@
 // A session heard through a worse network, from devices in trouble.
-#include "mien/virtual/imu/impair.h"
+#include "lab/imu/impair.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include "mien/imu/pipeline.h"
 #include "mien/take/session_log.h"
 #include "tests/imu/clocked_pipeline.h"
-#include "tests/virtual/imu/impaired_session.h"
+#include "tests/lab/imu/impaired_session.h"
 
-namespace mien::virt::impair_test {
+namespace mien::lab::impair_test {
 namespace {
 
 using test::expect_sound;
@@ -19,7 +19,7 @@ using test::impaired;
 using test::session;
 
 TEST(Impair, APerfectNetworkGivesTheSessionBack) {
-  const VirtualSession same = impaired({});
+  const virt::VirtualSession same = impaired({});
   expect_sound(same);
   ASSERT_EQ(same.entries.size(), session().entries.size());
   for (std::size_t i = 0; i < same.entries.size(); ++i) {
@@ -44,13 +44,13 @@ TEST(Impair, APerfectNetworkGivesTheSessionBack) {
 }
 
 TEST(Impair, AWorseNetworkLeavesTheTruthWhereItStood) {
-  const VirtualSession worse = impaired({.loss = 0.1,
-                                         .burst_share = 0.05,
-                                         .lag_ms = 20,
-                                         .jitter_ms = 30,
-                                         .duplicated = 0.02,
-                                         .corrupted = 0.02,
-                                         .truncated = 0.02});
+  const virt::VirtualSession worse = impaired({.loss = 0.1,
+                                               .burst_share = 0.05,
+                                               .lag_ms = 20,
+                                               .jitter_ms = 30,
+                                               .duplicated = 0.02,
+                                               .corrupted = 0.02,
+                                               .truncated = 0.02});
   expect_sound(worse);
   EXPECT_LT(worse.samples.size(), 0.9 * static_cast<double>(session().samples.size()));
   EXPECT_GT(worse.samples.size(), 0.75 * static_cast<double>(session().samples.size()));
@@ -68,9 +68,9 @@ TEST(Impair, AWorseNetworkLeavesTheTruthWhereItStood) {
 }
 
 TEST(Impair, TheSeedDecidesEveryByte) {
-  const NetworkSettings settings{.loss = 0.1, .jitter_ms = 20, .corrupted = 0.05};
-  const VirtualSession one = impaired(settings, {}, 8);
-  const VirtualSession same = impaired(settings, {}, 8);
+  const virt::NetworkSettings settings{.loss = 0.1, .jitter_ms = 20, .corrupted = 0.05};
+  const virt::VirtualSession one = impaired(settings, {}, 8);
+  const virt::VirtualSession same = impaired(settings, {}, 8);
   ASSERT_EQ(one.entries.size(), same.entries.size());
   for (std::size_t i = 0; i < one.entries.size(); ++i) {
     ASSERT_EQ(one.entries[i].bytes, same.entries[i].bytes);
@@ -82,7 +82,7 @@ TEST(Impair, TheSeedDecidesEveryByte) {
 }
 
 TEST(Impair, SamplesAreThoseOfThePacketsThatParse) {
-  const VirtualSession worse = impaired({.corrupted = 0.1, .truncated = 0.1});
+  const virt::VirtualSession worse = impaired({.corrupted = 0.1, .truncated = 0.1});
   EXPECT_EQ(worse.entries.size(), session().entries.size());
   std::size_t whole = 0;
   for (const take::LogEntry& entry : worse.entries) whole += imu::parse_packet(entry.bytes) ? 1 : 0;
@@ -91,17 +91,17 @@ TEST(Impair, SamplesAreThoseOfThePacketsThatParse) {
 }
 
 TEST(Impair, RefusesASessionWithoutTruth) {
-  const auto out = impair(VirtualSession{}, test::three_sensors(), {}, Random(1));
+  const auto out = impair(virt::VirtualSession{}, virt::test::three_sensors(), {}, Random(1));
   ASSERT_FALSE(out);
   EXPECT_EQ(out.error().code, ErrorCode::bad_usage);
 }
 
 TEST(Impair, ThePipelineStillFindsTheSkinThroughABadNetwork) {
-  const VirtualSession worse = impaired({.loss = 0.1, .jitter_ms = 10});
-  imu::testing_head::ClockedPipeline pipeline(test::three_sensors());
+  const virt::VirtualSession worse = impaired({.loss = 0.1, .jitter_ms = 10});
+  imu::testing_head::ClockedPipeline pipeline(virt::test::three_sensors());
   for (const take::Event& event : worse.events)
     if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
-  const auto sites = test::three_sites();
+  const auto sites = virt::test::three_sites();
   model::FeatureFrame frame;
   std::size_t tick = 0;
   double square = 0;
@@ -123,4 +123,4 @@ TEST(Impair, ThePipelineStillFindsTheSkinThroughABadNetwork) {
 }
 
 }  // namespace
-}  // namespace mien::virt::impair_test
+}  // namespace mien::lab::impair_test

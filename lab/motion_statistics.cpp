@@ -1,4 +1,4 @@
-#include "mien/measure/motion_statistics.h"
+#include "lab/motion_statistics.h"
 
 #include <fmt/format.h>
 
@@ -8,12 +8,12 @@
 
 #include "mien/core/median.h"
 
-namespace mien::measure {
+namespace mien::lab {
+
+namespace {
 
 using face::kShapeCount;
 using face::kShapeNames;
-
-namespace {
 
 constexpr double kRate_hz = 30;
 constexpr double kActive = 0.1;
@@ -206,4 +206,4 @@ std::string comparison_markdown(std::span<const MotionStatistics> columns, std::
   return text;
 }
 
-}  // namespace mien::measure
+}  // namespace mien::lab

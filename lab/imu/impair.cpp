@@ -1,4 +1,4 @@
-#include "mien/virtual/imu/impair.h"
+#include "lab/imu/impair.h"
 
 #include <algorithm>
 #include <optional>
@@ -8,7 +8,7 @@
 #include "mien/sensor/clock_model.h"
 #include "mien/virtual/reception.h"
 
-namespace mien::virt {
+namespace mien::lab {
 namespace {
 
 /// The truth of the old session at any time of its line.
@@ -55,7 +55,7 @@ class OldTruth {
 /// The old reference's clock against the host's, as it was known at any moment of the old session.
 class OldClock {
  public:
-  OldClock(const VirtualSession& session, std::uint16_t reference)
+  OldClock(const virt::VirtualSession& session, std::uint16_t reference)
       : samples_(session.samples), reference_(reference) {}
 
   /// `now` never runs back.
@@ -78,10 +78,10 @@ class OldClock {
 class TroubledClock {
  public:
   /// Shape: `before` and `after` in the order of sending; what stayed away is missing in `after`.
-  TroubledClock(const std::vector<Datagram>& before, const std::vector<Datagram>& after,
+  TroubledClock(const std::vector<virt::Datagram>& before, const std::vector<virt::Datagram>& after,
                 std::uint16_t reference) {
     auto old = before.begin();
-    for (const Datagram& datagram : after) {
+    for (const virt::Datagram& datagram : after) {
       if (datagram.source != reference) continue;
       while (old->source != reference || old->time != datagram.time) ++old;
       pairs_.push_back({datagram.time, time_of(*old++), time_of(datagram)});
@@ -110,7 +110,7 @@ class TroubledClock {
     DeviceTime old;
     DeviceTime troubled;
   };
-  static DeviceTime time_of(const Datagram& datagram) {
+  static DeviceTime time_of(const virt::Datagram& datagram) {
     const auto packet = imu::parse_packet(datagram.bytes);
     return packet ? packet->time : DeviceTime();
   }
@@ -133,7 +133,7 @@ class NewLine {
   std::vector<std::pair<DeviceTime, Duration>> known_;
 };
 
-bool clock_in_trouble(const DeviceTroubles& troubles, std::uint16_t sensor) {
+bool clock_in_trouble(const virt::DeviceTroubles& troubles, std::uint16_t sensor) {
   const auto hits = [&](const auto& list) {
     return std::ranges::any_of(list, [&](const auto& trouble) { return trouble.sensor == sensor; });
   };
@@ -142,13 +142,13 @@ bool clock_in_trouble(const DeviceTroubles& troubles, std::uint16_t sensor) {
 
 }  // namespace
 
-Result<VirtualSession> impair(const VirtualSession& session, const sensor::Rig& rig,
-                              const NetworkSettings& settings, const Random& random,
-                              const DeviceTroubles& troubles) {
+Result<virt::VirtualSession> impair(const virt::VirtualSession& session, const sensor::Rig& rig,
+                                    const virt::NetworkSettings& settings, const Random& random,
+                                    const virt::DeviceTroubles& troubles) {
   if (session.truth.empty()) return fail(ErrorCode::bad_usage, "the session has no truth", rig.name);
-  MIEN_TRY_ASSIGN(const std::vector<sensor::DeviceKey> devices, virtual_devices(rig));
-  MIEN_TRY_ASSIGN(Reception reception, Reception::create(rig));
-  std::vector<Datagram> sent;
+  MIEN_TRY_ASSIGN(const std::vector<sensor::DeviceKey> devices, virt::virtual_devices(rig));
+  MIEN_TRY_ASSIGN(virt::Reception reception, virt::Reception::create(rig));
+  std::vector<virt::Datagram> sent;
   sent.reserve(session.entries.size());
   for (const take::LogEntry& entry : session.entries) {
     const auto packet = imu::parse_packet(entry.bytes);
@@ -160,16 +160,16 @@ Result<VirtualSession> impair(const VirtualSession& session, const sensor::Rig& 
   }
   const std::uint16_t reference = rig.find(rig.reference).value_or(0);
   const bool in_trouble = clock_in_trouble(troubles, reference);
-  MIEN_TRY_ASSIGN(const std::vector<Datagram> troubled, trouble_devices(sent, troubles));
-  const TroubledClock reference_clock(in_trouble ? sent : std::vector<Datagram>(),
-                                      in_trouble ? troubled : std::vector<Datagram>(), reference);
-  MIEN_TRY_ASSIGN(std::vector<Datagram> arrived, deliver(troubled, settings, random));
+  MIEN_TRY_ASSIGN(const std::vector<virt::Datagram> troubled, virt::trouble_devices(sent, troubles));
+  const TroubledClock reference_clock(in_trouble ? sent : std::vector<virt::Datagram>(),
+                                      in_trouble ? troubled : std::vector<virt::Datagram>(), reference);
+  MIEN_TRY_ASSIGN(std::vector<virt::Datagram> arrived, virt::deliver(troubled, settings, random));
 
   const Duration lag = from_seconds(1e-3 * settings.lag_ms);
   const OldTruth truth(session.truth);
   OldClock host_clock(session, reference);
   NewLine line;
-  VirtualSession out;
+  virt::VirtualSession out;
   reception.log_all(std::move(arrived), out, [&](const take::Tick& tick, const sensor::TimeLines& lines) {
     DeviceTime old = tick.frame;
     if (lines.on_host_time())
@@ -185,4 +185,4 @@ Result<VirtualSession> impair(const VirtualSession& session, const sensor::Rig& 
   return out;
 }
 
-}  // namespace mien::virt
+}  // namespace mien::lab

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <functional>
 
-#include "tests/virtual/imu/impaired_session.h"
+#include "tests/lab/imu/impaired_session.h"
 
-namespace mien::virt::device_trouble_test {
+namespace mien::lab::device_trouble_test {
 namespace {
 
 using test::expect_sound;
@@ -25,7 +25,7 @@ constexpr std::uint16_t kEar = 2;  // The reference.
 
 /// The truth's jaw against what the motion did at the true time of each evaluated tick, as the packets of the
 /// chin's own sensor place it: the largest difference.
-double truth_against(const VirtualSession& of, const std::function<DeviceTime(DeviceTime)>& old_time) {
+double truth_against(const virt::VirtualSession& of, const std::function<DeviceTime(DeviceTime)>& old_time) {
   double worst = 0;
   std::size_t next = 0;
   for (const take::TruthFrame& truth : of.truth) {
@@ -43,7 +43,8 @@ double truth_against(const VirtualSession& of, const std::function<DeviceTime(De
 }
 
 TEST(Troubles, ASilentSensorIsSilentThenAndOnlyThen) {
-  const VirtualSession quiet = impaired({}, {.silences = {{.sensor = kMentalis, .from_s = 5, .to_s = 7}}});
+  const virt::VirtualSession quiet =
+      impaired({}, {.silences = {{.sensor = kMentalis, .from_s = 5, .to_s = 7}}});
   expect_sound(quiet);
   for (const auto& [arrival, packet] : packets(quiet, kMentalis))
     EXPECT_TRUE(seconds(arrival) < 5 || seconds(arrival) >= 7) << seconds(arrival);
@@ -53,7 +54,7 @@ TEST(Troubles, ASilentSensorIsSilentThenAndOnlyThen) {
 }
 
 TEST(Troubles, WhenAllAreSilentTheGridRunsOn) {
-  const VirtualSession quiet = impaired({}, {.silences = {{.sensor = {}, .from_s = 5, .to_s = 7}}});
+  const virt::VirtualSession quiet = impaired({}, {.silences = {{.sensor = {}, .from_s = 5, .to_s = 7}}});
   expect_sound(quiet);
   for (const take::LogEntry& entry : quiet.entries)
     EXPECT_TRUE(seconds(entry.arrival) < 5 || seconds(entry.arrival) >= 7);
@@ -62,7 +63,8 @@ TEST(Troubles, WhenAllAreSilentTheGridRunsOn) {
 }
 
 TEST(Troubles, AFrozenSensorSendsValidPacketsOfTheSameValues) {
-  const VirtualSession frozen = impaired({}, {.frozen = {{.sensor = kMentalis, .from_s = 5, .to_s = 9}}});
+  const virt::VirtualSession frozen =
+      impaired({}, {.frozen = {{.sensor = kMentalis, .from_s = 5, .to_s = 9}}});
   expect_sound(frozen);
   const auto all = packets(frozen, kMentalis);
   const auto before = packets(session(), kMentalis);
@@ -85,7 +87,8 @@ TEST(Troubles, AFrozenSensorSendsValidPacketsOfTheSameValues) {
 }
 
 TEST(Troubles, ARestartedNodeCountsFromNought) {
-  const VirtualSession again = impaired({}, {.restarts = {{.sensor = kMentalis, .at_s = 6, .boot_s = 1}}});
+  const virt::VirtualSession again =
+      impaired({}, {.restarts = {{.sensor = kMentalis, .at_s = 6, .boot_s = 1}}});
   expect_sound(again);
   bool restarted = false;
   DeviceTime last;
@@ -105,7 +108,7 @@ TEST(Troubles, ARestartedNodeCountsFromNought) {
 }
 
 TEST(Troubles, ARestartedReferenceLeavesTheTruthInPlace) {
-  const VirtualSession again = impaired({}, {.restarts = {{.sensor = kEar, .at_s = 15, .boot_s = 1}}});
+  const virt::VirtualSession again = impaired({}, {.restarts = {{.sensor = kEar, .at_s = 15, .boot_s = 1}}});
   expect_sound(again);
   // The line goes on where it left off, as well as the first packet's arrival tells where that is.
   DeviceTime line_at_restart;
@@ -122,7 +125,7 @@ TEST(Troubles, ARestartedReferenceLeavesTheTruthInPlace) {
 }
 
 TEST(Troubles, AClockThatIsOffDriftsAndJumps) {
-  const VirtualSession off =
+  const virt::VirtualSession off =
       impaired({}, {.clocks = {{.sensor = kMentalis, .drift_ppm = 50, .step_us = 500, .step_every_s = 4}}});
   expect_sound(off);
   const auto before = packets(session(), kMentalis);
@@ -137,7 +140,7 @@ TEST(Troubles, AClockThatIsOffDriftsAndJumps) {
 }
 
 TEST(Troubles, AReferenceThatIsOffCarriesItsTruthAlong) {
-  const VirtualSession off = impaired(
+  const virt::VirtualSession off = impaired(
       {.lag_ms = 30}, {.clocks = {{.sensor = kEar, .drift_ppm = 50, .step_us = 500, .step_every_s = 2}}});
   expect_sound(off);
   const DeviceTime first = packets(session(), kEar)[0].second.time;
@@ -152,7 +155,8 @@ TEST(Troubles, AReferenceThatIsOffCarriesItsTruthAlong) {
 }
 
 TEST(Troubles, WithoutItsReferenceTheSessionStandsOnTheHostsTime) {
-  const VirtualSession without = impaired({}, {.silences = {{.sensor = kEar, .from_s = -10, .to_s = 1000}}});
+  const virt::VirtualSession without =
+      impaired({}, {.silences = {{.sensor = kEar, .from_s = -10, .to_s = 1000}}});
   expect_sound(without);
   ASSERT_FALSE(without.ticks.empty());
   std::size_t evaluated = 0;
@@ -163,14 +167,14 @@ TEST(Troubles, WithoutItsReferenceTheSessionStandsOnTheHostsTime) {
 }
 
 TEST(Troubles, TwoBoardsOfOneIdAreHeardAsOne) {
-  const VirtualSession shared = impaired({}, {.shared_ids = {{.sensor = kMentalis, .as = 1}}});
+  const virt::VirtualSession shared = impaired({}, {.shared_ids = {{.sensor = kMentalis, .as = 1}}});
   expect_sound(shared);
   EXPECT_TRUE(packets(shared, kMentalis).empty());
   EXPECT_EQ(packets(shared, 1).size(), packets(session(), kMentalis).size() + packets(session(), 1).size());
 }
 
 TEST(Troubles, SeveralAtOnceActInTurn) {
-  const VirtualSession all =
+  const virt::VirtualSession all =
       impaired({.loss = 0.05, .jitter_ms = 10}, {.clocks = {{.sensor = 1, .drift_ppm = -50}},
                                                  .frozen = {{.sensor = kMentalis, .from_s = 3, .to_s = 5}},
                                                  .restarts = {{.sensor = kMentalis, .at_s = 8}},
@@ -181,8 +185,8 @@ TEST(Troubles, SeveralAtOnceActInTurn) {
 }
 
 TEST(Troubles, EachWrongOneIsRefused) {
-  const auto refused = [](const DeviceTroubles& troubles, const char* words) {
-    const auto out = impair(session(), test::three_sensors(), {}, Random(1), troubles);
+  const auto refused = [](const virt::DeviceTroubles& troubles, const char* words) {
+    const auto out = impair(session(), virt::test::three_sensors(), {}, Random(1), troubles);
     ASSERT_FALSE(out) << words;
     EXPECT_EQ(out.error().code, ErrorCode::out_of_range);
     EXPECT_THAT(out.error().message(), HasSubstr(words));
@@ -197,11 +201,11 @@ TEST(Troubles, EachWrongOneIsRefused) {
 }
 
 TEST(Troubles, RefuseWhatIsNoPacketOfSamples) {
-  const auto out = trouble_devices({{{}, kMentalis, std::vector<std::byte>(40)}},
-                                   {.silences = {{.sensor = kMentalis, .from_s = 0, .to_s = 1}}});
+  const auto out = virt::trouble_devices({{{}, kMentalis, std::vector<std::byte>(40)}},
+                                         {.silences = {{.sensor = kMentalis, .from_s = 0, .to_s = 1}}});
   ASSERT_FALSE(out);
   EXPECT_EQ(out.error().code, ErrorCode::bad_usage);
 }
 
 }  // namespace
-}  // namespace mien::virt::device_trouble_test
+}  // namespace mien::lab::device_trouble_test

@@ -1,8 +1,8 @@
-#include "mien/model/peak.h"
+#include "lab/peak.h"
 
 #include <gtest/gtest.h>
 
-namespace mien::model::peak_test {
+namespace mien::lab::peak_test {
 namespace {
 
 // How fast is this machine's affair; that something was measured is ours.
@@ -13,4 +13,4 @@ TEST(Peak, IsMoreThanNothing) {
 }
 
 }  // namespace
-}  // namespace mien::model::peak_test
+}  // namespace mien::lab::peak_test

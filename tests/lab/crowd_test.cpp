@@ -1,13 +1,16 @@
-#include "mien/tracker/crowd.h"
+#include "lab/crowd.h"
 
 #include <gtest/gtest.h>
 
+#include "mien/model/network_correction.h"
 #include "mien/tracker/causal_tracker.h"
 #include "tests/tracker/tiny_model.h"
 #include "tests/tracker/turning_sensors.h"
 
-namespace mien::tracker::crowd_test {
+namespace mien::lab::crowd_test {
 namespace {
+
+using tracker::CausalTracker;
 
 const std::vector<std::string> kSensors = {"mentalis", "buccinator_L"};
 
@@ -18,13 +21,18 @@ bool same(const face::OutputFrame& a, const face::OutputFrame& b) {
 
 /// Each performer is elsewhere in the same motion.
 model::FeatureFrame frame_of(std::size_t performer, std::size_t frame) {
-  static const auto features = test::turning(200);
+  static const auto features = tracker::test::turning(200);
   return features[performer + frame];
 }
 
 TEST(Crowd, EverybodyGetsWhatATrackerOfTheirOwnGives) {
   constexpr std::size_t kPerformers = Crowd::kTogether + 5, kFrames = 9;
-  const auto file = test::tiny_causal_model(kSensors);
+  auto file = tracker::test::tiny_causal_model(kSensors);
+  // A wearer's, too.
+  const model::Architecture& a = file.architecture;
+  file.correction = {.network = model::correction_key(file.network),
+                     .weights = std::vector(a.outputs * a.d_model, 0.01F),
+                     .bias = std::vector(a.outputs, 0.05F)};
   for (const model::Precision precision :
        {model::Precision::fp32, model::Precision::bf16, model::Precision::int8}) {
     Crowd crowd = Crowd::create(file, kSensors, kPerformers, precision).value();
@@ -57,9 +65,9 @@ TEST(Crowd, EverybodyGetsWhatATrackerOfTheirOwnGives) {
 }
 
 TEST(Crowd, RefusesWhatATrackerRefuses) {
-  EXPECT_FALSE(Crowd::create(test::tiny_model(kSensors), kSensors, 3));
-  EXPECT_FALSE(Crowd::create(test::tiny_causal_model(kSensors), {"nobody"}, 3));
+  EXPECT_FALSE(Crowd::create(tracker::test::tiny_model(kSensors), kSensors, 3));
+  EXPECT_FALSE(Crowd::create(tracker::test::tiny_causal_model(kSensors), {"nobody"}, 3));
 }
 
 }  // namespace
-}  // namespace mien::tracker::crowd_test
+}  // namespace mien::lab::crowd_test

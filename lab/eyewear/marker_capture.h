@@ -8,14 +8,14 @@
 #include "mien/core/rotation.h"
 #include "mien/virtual/eyewear/eyewear_faults.h"
 
-namespace mien::virt {
+namespace mien::lab {
 
 /// Motion capture of markers past glasses: jitter, neighbours that change names, and markers that are found
 /// elsewhere while the frame covers them. The head's own motion has been taken out.
 class MarkerCapture {
  public:
   /// `neutral_m`: the markers on the neutral face, by which neighbours are told.
-  MarkerCapture(const EyewearFaults& faults, std::vector<Vec3> neutral_m, const Random& random);
+  MarkerCapture(const virt::EyewearFaults& faults, std::vector<Vec3> neutral_m, const Random& random);
 
   /// What is captured at `time_s` of markers that are truly at `markers_m` (3V: x, y, z of each). Times do
   /// not run backwards.
@@ -33,7 +33,7 @@ class MarkerCapture {
   void next_mislabel(double after_s);
   void next_loss(double after_s);
 
-  EyewearFaults faults_;
+  virt::EyewearFaults faults_;
   std::vector<Vec3> neutral_m_;
   Spell mislabel_;
   Spell loss_;
@@ -42,4 +42,4 @@ class MarkerCapture {
   Random losses_;
 };
 
-}  // namespace mien::virt
+}  // namespace mien::lab
