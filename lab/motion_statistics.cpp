@@ -40,13 +40,13 @@ std::size_t twin_of(std::size_t k) {
   return k;
 }
 
-struct Samples {
+struct MotionSamples {
   std::vector<face::BlendshapeWeights> weights;
   std::array<double, kShapeCount> speed_squares{};
   std::size_t steps = 0;
 };
 
-void collect(const face::Motion& motion, Samples& samples) {
+void collect(const face::Motion& motion, MotionSamples& samples) {
   if (motion.frames.empty()) return;
   const face::MotionCurve curve(motion);
   const double begin_s = motion.frames.front().time_s;
@@ -76,7 +76,7 @@ MotionStatistics motion_statistics(std::span<const face::Motion> motions, std::s
   out.name = std::move(name);
   constexpr auto kSize = static_cast<Eigen::Index>(kShapeCount);
   out.correlation = Eigen::MatrixXd::Zero(kSize, kSize);
-  Samples samples;
+  MotionSamples samples;
   for (const face::Motion& motion : motions) collect(motion, samples);
   const std::size_t frames = samples.weights.size();
   if (frames < 2 || samples.steps == 0) return out;

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 /// How often the helpers are looked at.
 constexpr std::chrono::milliseconds kLook(200);
 /// So long they may take to write their checkpoints when they are asked to stop.
-constexpr std::chrono::seconds kPatience(60);
+constexpr std::chrono::seconds kTrainerPatience(60);
 constexpr const char* kGoOn = "run the study again: it goes on where it was";
 
 std::string key_of(std::string_view text) {
@@ -173,7 +173,7 @@ class ShortTrainings {
   void end_helpers() {
     using Clock = std::chrono::steady_clock;
     for (Running& one : running_) one.child.ask_to_stop();
-    const Clock::time_point until = Clock::now() + kPatience;
+    const Clock::time_point until = Clock::now() + kTrainerPatience;
     for (Running& one : running_)
       (void)one.child.stop(std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()));
   }

@@ -91,10 +91,10 @@ void hear_frames(speech::Listener& listener, std::span<const speech::Block> bloc
 using speech::Heard;
 using speech::Listener;
 
-constexpr std::array<std::string_view, 2> kMethods = {"phones", "learned"};
+constexpr std::array<std::string_view, 2> kSpeechMethods = {"phones", "learned"};
 constexpr float kMoves = 0.05F;
 
-using Listeners = std::array<std::unique_ptr<Listener>, kMethods.size()>;
+using Listeners = std::array<std::unique_ptr<Listener>, kSpeechMethods.size()>;
 
 Result<Listeners> make_listeners(const speech::SpeechNetworkFile& file) {
   MIEN_TRY_ASSIGN(auto decoder, speech::PhoneDecoder::create());
@@ -124,11 +124,11 @@ std::vector<synthetic::Closure> closures_shown(const Shown& shown) {
   return synthetic::stretches_above(shown.closure, kShown, 0, 1 / kFrameRateHz);
 }
 
-struct Tally {
+struct ClosureTally {
   synthetic::ClosureScore closures;
   std::vector<double> correlations, late_s;
 
-  void add(const Tally& other) {
+  void add(const ClosureTally& other) {
     closures.add(other.closures);
     correlations.insert(correlations.end(), other.correlations.begin(), other.correlations.end());
     late_s.insert(late_s.end(), other.late_s.begin(), other.late_s.end());
@@ -145,7 +145,7 @@ struct Tally {
   }
 };
 
-void score(const std::vector<synthetic::Closure>& truth, const Shown& shown, Tally& tally) {
+void score(const std::vector<synthetic::Closure>& truth, const Shown& shown, ClosureTally& tally) {
   const std::vector<synthetic::Closure> heard = closures_shown(shown);
   tally.closures.add(synthetic::score_closures(truth, heard));
   for (const synthetic::Closure& one : heard) {
@@ -158,7 +158,7 @@ void score(const std::vector<synthetic::Closure>& truth, const Shown& shown, Tal
   }
 }
 
-using MethodTallies = std::array<Tally, kMethods.size()>;
+using MethodTallies = std::array<ClosureTally, kSpeechMethods.size()>;
 /// Of one passage, a tally for each condition.
 using PassageTallies = std::array<MethodTallies, kSoundConditions.size()>;
 
@@ -167,7 +167,7 @@ PassageTallies listen_to(const synthetic::SpokenPassage& passage, const Random& 
   PassageTallies tallies;
   for (std::size_t c = 0; c < kSoundConditions.size(); ++c) {
     const std::vector<speech::Block> blocks = synthetic::blocks_of(disturbed(passage.sound, c, random));
-    for (std::size_t m = 0; m < kMethods.size(); ++m) {
+    for (std::size_t m = 0; m < kSpeechMethods.size(); ++m) {
       const Shown shown = show(*listeners[m], blocks);
       score(passage.closures, shown, tallies[c][m]);
       synthetic::Correlation jaw;
@@ -255,26 +255,27 @@ Result<SpeechStudy> study_speech(const SpeechRequest& request, const performer::
       }));
   SpeechStudy study;
   for (std::size_t c = 0; c < kSoundConditions.size(); ++c)
-    for (std::size_t m = 0; m < kMethods.size(); ++m) {
-      Tally all;
+    for (std::size_t m = 0; m < kSpeechMethods.size(); ++m) {
+      ClosureTally all;
       for (const PassageTallies& one : spoken) all.add(one[c][m]);
-      study.conditions.push_back(all.row(kMethods[m], std::string(kSoundConditions[c])));
+      study.conditions.push_back(all.row(kSpeechMethods[m], std::string(kSoundConditions[c])));
     }
   const auto languages = performer::reading_languages();
   for (std::size_t l = 0; l <= languages.size(); ++l)
-    for (std::size_t m = 0; m < kMethods.size(); ++m) {
+    for (std::size_t m = 0; m < kSpeechMethods.size(); ++m) {
       // Voices made of a person's recordings stand apart, last.
-      Tally all;
+      ClosureTally all;
       for (std::size_t i = 0; i < spoken.size(); ++i) {
         const synthetic::Voice& voice = voices[i / passages];
         const bool person = voice.name.contains(':');
         if (l == languages.size() ? person : !person && voice.language == l) all.add(spoken[i][0][m]);
       }
-      study.languages.push_back(all.row(
-          kMethods[m], l == languages.size() ? "en-us, a person's voice" : std::string(languages[l].voice)));
+      study.languages.push_back(all.row(kSpeechMethods[m], l == languages.size()
+                                                               ? "en-us, a person's voice"
+                                                               : std::string(languages[l].voice)));
     }
 
-  std::vector<std::array<double, kMethods.size()>> moving(synthetic::kOtherSoundNames.size());
+  std::vector<std::array<double, kSpeechMethods.size()>> moving(synthetic::kOtherSoundNames.size());
   MIEN_TRY(virt::for_each_performer(
       moving.size(), request.threads,
       [&](double part, std::string_view what) {
@@ -287,7 +288,7 @@ Result<SpeechStudy> study_speech(const SpeechRequest& request, const performer::
                                         static_cast<std::size_t>(request.other_seconds * speech::kRateHz),
                                         root.fork("study other", kind));
         const std::vector<speech::Block> blocks = synthetic::blocks_of(sound);
-        for (std::size_t m = 0; m < kMethods.size(); ++m) {
+        for (std::size_t m = 0; m < kSpeechMethods.size(); ++m) {
           const Shown shown = show(*own[m], blocks);
           const auto above = std::ranges::count_if(shown.most, [](float w) { return w > kMoves; });
           moving[kind][m] =
@@ -296,9 +297,9 @@ Result<SpeechStudy> study_speech(const SpeechRequest& request, const performer::
         return {};
       }));
   for (std::size_t kind = 0; kind < moving.size(); ++kind)
-    for (std::size_t m = 0; m < kMethods.size(); ++m)
+    for (std::size_t m = 0; m < kSpeechMethods.size(); ++m)
       study.others.push_back(
-          {std::string(kMethods[m]), std::string(synthetic::kOtherSoundNames[kind]), moving[kind][m]});
+          {std::string(kSpeechMethods[m]), std::string(synthetic::kOtherSoundNames[kind]), moving[kind][m]});
   return study;
 }
 
