@@ -213,8 +213,8 @@ std::vector<measure::Table> motion_tables(std::span<const MotionStatistics> colu
   };
   for (const MotionSummary& summary : kMotionSummaries)
     row(
-        tables[0], std::string(summary.label),
-        [&](const MotionStatistics& s) { return s.*summary.value; }, summary.digits);
+        tables[0], std::string(summary.label), [&](const MotionStatistics& s) { return s.*summary.value; },
+        summary.digits);
   for (const MotionStatistics& other : columns.first(compared))
     row(
         tables[0], "agreement of correlations with " + other.name,

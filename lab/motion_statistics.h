@@ -97,8 +97,8 @@ struct VirtualMotionRequest {
 [[nodiscard]] Result<std::vector<MotionStatistics>> virtual_motion(const VirtualMotionRequest& request,
                                                                    const Progress& progress);
 
-/// Two tables of one column a motion: the summaries, with the agreement of correlations with each of the first
-/// `compared` columns; then the standard deviation of every shape.
+/// Two tables of one column a motion: the summaries, with the agreement of correlations with each of the
+/// first `compared` columns; then the standard deviation of every shape.
 [[nodiscard]] std::vector<measure::Table> motion_tables(std::span<const MotionStatistics> columns,
                                                         std::size_t compared = 0);
 
