@@ -7,10 +7,19 @@
 #include <vector>
 
 #include "mien/core/median.h"
+#include "mien/core/random.h"
+#include "mien/performer/performer.h"
+#include "mien/performer/script.h"
+#include "mien/performer/style.h"
+#include "mien/virtual/performers.h"
 
 namespace mien::lab {
-
 namespace {
+
+using performer::Block;
+
+constexpr std::array kVirtualKinds = {Block::range_of_motion, Block::free, Block::expressions, Block::reading,
+                                      Block::acted};
 
 using face::kShapeCount;
 using face::kShapeNames;
@@ -31,23 +40,13 @@ std::size_t twin_of(std::size_t k) {
   return k;
 }
 
-/// A name as a cell of a table: a stroke would end it.
-std::string in_cell(const std::string& name) {
-  std::string out;
-  for (const char c : name) {
-    if (c == '|') out += '\\';
-    out += c == '\n' || c == '\r' ? ' ' : c;
-  }
-  return out;
-}
-
-struct Samples {
+struct MotionSamples {
   std::vector<face::BlendshapeWeights> weights;
   std::array<double, kShapeCount> speed_squares{};
   std::size_t steps = 0;
 };
 
-void collect(const face::Motion& motion, Samples& samples) {
+void collect(const face::Motion& motion, MotionSamples& samples) {
   if (motion.frames.empty()) return;
   const face::MotionCurve curve(motion);
   const double begin_s = motion.frames.front().time_s;
@@ -77,7 +76,7 @@ MotionStatistics motion_statistics(std::span<const face::Motion> motions, std::s
   out.name = std::move(name);
   constexpr auto kSize = static_cast<Eigen::Index>(kShapeCount);
   out.correlation = Eigen::MatrixXd::Zero(kSize, kSize);
-  Samples samples;
+  MotionSamples samples;
   for (const face::Motion& motion : motions) collect(motion, samples);
   const std::size_t frames = samples.weights.size();
   if (frames < 2 || samples.steps == 0) return out;
@@ -176,34 +175,55 @@ double correlation_agreement(const MotionStatistics& a, const MotionStatistics& 
   return scale > 0 ? u.dot(v) / scale : 0;
 }
 
-std::string comparison_markdown(std::span<const MotionStatistics> columns, std::size_t compared) {
-  std::string text;
-  const auto head = [&] {
-    text += "| |";
-    for (const auto& column : columns) text += fmt::format(" {} |", in_cell(column.name));
-    text += "\n|---|";
-    for (std::size_t i = 0; i < columns.size(); ++i) text += "---|";
-    text += '\n';
+Result<std::vector<MotionStatistics>> virtual_motion(const VirtualMotionRequest& request,
+                                                     const Progress& progress) {
+  if (request.performers < 1 || !(request.seconds >= 1))
+    return fail(ErrorCode::bad_usage, "nobody moves", "study motion", "ask for a performer and a second");
+  const auto people = static_cast<std::size_t>(request.performers);
+  std::vector<MotionStatistics> each(kVirtualKinds.size() * people);
+  MIEN_TRY(
+      virt::for_each_performer(each.size(), request.threads, progress, [&](std::size_t i) -> Result<void> {
+        const Random person = Random(request.seed).fork("person", i % people);
+        Random drawn = person.fork("style");
+        const std::array motions = {
+            performer::perform(performer::default_script(kVirtualKinds[i / people], request.seconds),
+                               performer::draw_style(drawn), person.fork("motion"))};
+        each[i] = motion_statistics(motions, {});
+        return {};
+      }));
+  std::vector<MotionStatistics> out;
+  for (std::size_t k = 0; k < kVirtualKinds.size(); ++k)
+    out.push_back(mean_statistics(std::span(each).subspan(k * people, people),
+                                  std::string(performer::block_name(kVirtualKinds[k]))));
+  return out;
+}
+
+std::vector<measure::Table> motion_tables(std::span<const MotionStatistics> columns, std::size_t compared) {
+  std::vector<measure::Table> tables = {{.caption = "Means over shapes"},
+                                        {.caption = "Standard deviation of every shape"}};
+  for (measure::Table& table : tables) {
+    table.columns.emplace_back("");
+    for (const MotionStatistics& column : columns) table.columns.push_back(column.name);
+  }
+  const auto row = [&](measure::Table& table, std::string label, auto value, int digits) {
+    std::vector<std::string>& cells = table.rows.emplace_back();
+    cells.push_back(std::move(label));
+    for (const MotionStatistics& column : columns)
+      cells.push_back(fmt::format("{:.{}f}", value(column), digits));
   };
-  const auto row = [&](std::string_view label, auto value, int digits) {
-    text += fmt::format("| {} |", label);
-    for (const auto& column : columns) text += fmt::format(" {:.{}f} |", value(column), digits);
-    text += '\n';
-  };
-  head();
   for (const MotionSummary& summary : kMotionSummaries)
     row(
-        summary.label, [&](const MotionStatistics& s) { return s.*summary.value; }, summary.digits);
-  for (const MotionStatistics& other : columns.first(std::min(compared, columns.size())))
+        tables[0], std::string(summary.label), [&](const MotionStatistics& s) { return s.*summary.value; },
+        summary.digits);
+  for (const MotionStatistics& other : columns.first(compared))
     row(
-        "agreement of correlations with " + in_cell(other.name),
+        tables[0], "agreement of correlations with " + other.name,
         [&](const MotionStatistics& s) { return correlation_agreement(s, other); }, 2);
-  text += "\nStandard deviation of every shape:\n\n";
-  head();
   for (std::size_t k = 0; k < kShapeCount; ++k)
     row(
-        kShapeNames[k], [k](const MotionStatistics& s) { return s.shapes[k].deviation; }, 3);
-  return text;
+        tables[1], std::string(kShapeNames[k]),
+        [k](const MotionStatistics& s) { return s.shapes[k].deviation; }, 3);
+  return tables;
 }
 
 }  // namespace mien::lab

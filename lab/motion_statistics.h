@@ -2,11 +2,16 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
 #include "mien/face/motion.h"
+#include "mien/measure/report.h"
 
 namespace mien::lab {
 
@@ -78,9 +83,23 @@ inline constexpr std::array kMotionSummaries = {
 /// shapes go together?
 [[nodiscard]] double correlation_agreement(const MotionStatistics& a, const MotionStatistics& b);
 
-/// Markdown, two tables of one column a motion: the summaries, with the agreement of correlations with each
-/// of the first `compared` columns; then the standard deviation of every shape.
-[[nodiscard]] std::string comparison_markdown(std::span<const MotionStatistics> columns,
-                                              std::size_t compared = 0);
+struct VirtualMotionRequest {
+  int performers = 20;   ///< People drawn, each of whom performs every kind of script.
+  double seconds = 120;  ///< Of each performance.
+  std::uint64_t seed = 1;
+  unsigned threads = 0;  ///< 0: one a core.
+};
+
+/// How virtual performers move: for each kind of script from range of motion to acted lines the mean of the
+/// people's own statistics (mean_statistics), named after the kind. The same request gives the same numbers,
+/// whatever the number of threads. Errors: bad_usage (nobody, or less than a second); cancelled. Cost: a
+/// hundredth of what is performed.
+[[nodiscard]] Result<std::vector<MotionStatistics>> virtual_motion(const VirtualMotionRequest& request,
+                                                                   const Progress& progress);
+
+/// Two tables of one column a motion: the summaries, with the agreement of correlations with each of the
+/// first `compared` columns; then the standard deviation of every shape.
+[[nodiscard]] std::vector<measure::Table> motion_tables(std::span<const MotionStatistics> columns,
+                                                        std::size_t compared = 0);
 
 }  // namespace mien::lab

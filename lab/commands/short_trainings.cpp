@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 /// How often the helpers are looked at.
 constexpr std::chrono::milliseconds kLook(200);
 /// So long they may take to write their checkpoints when they are asked to stop.
-constexpr std::chrono::seconds kPatience(60);
+constexpr std::chrono::seconds kTrainerPatience(60);
 constexpr const char* kGoOn = "run the study again: it goes on where it was";
 
 std::string key_of(std::string_view text) {
@@ -74,7 +74,7 @@ class ShortTrainings {
  public:
   ShortTrainings(std::vector<Row> rows, const Progress& progress) : progress_(progress), all_(rows.size()) {
     for (Row& row : rows) {
-      if (is_there(row.model)) continue;  // So is its curve: the trainer writes the model last.
+      if (is_there(row.model)) continue;
       ++wanted_[row.data];
       waiting_.push_back(std::move(row));
     }
@@ -173,7 +173,7 @@ class ShortTrainings {
   void end_helpers() {
     using Clock = std::chrono::steady_clock;
     for (Running& one : running_) one.child.ask_to_stop();
-    const Clock::time_point until = Clock::now() + kPatience;
+    const Clock::time_point until = Clock::now() + kTrainerPatience;
     for (Running& one : running_)
       (void)one.child.stop(std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()));
   }
@@ -258,17 +258,15 @@ Result<TrainShort> train_by_helper(const fs::path& folder) {
   MIEN_TRY(check_same_trainer(folder));
   return [folder, lock = std::make_shared<const FolderLock>(std::move(taken))](
              std::span<const ShortTraining> trainings,
-             const Progress& progress) -> Result<std::vector<ShortTrained>> {
+             const Progress& progress) -> Result<std::vector<model::ModelFile>> {
     std::vector<Row> rows;
     for (const ShortTraining& training : trainings) rows.push_back(row_of(training, folder));
     ShortTrainings work(rows, progress);
     work.tidy(folder);
     MIEN_TRY(work.run());
-    std::vector<ShortTrained> trained;
+    std::vector<model::ModelFile> trained;
     for (const Row& row : rows) {
-      ShortTrained& one = trained.emplace_back();
-      MIEN_TRY_ASSIGN(one.model, model::read_model(row.model));
-      MIEN_TRY_ASSIGN(one.curve, read_text(fs::path(row.model).replace_extension("csv")));
+      MIEN_TRY_ASSIGN(trained.emplace_back(), model::read_model(row.model));
     }
     return trained;
   };

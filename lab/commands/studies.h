@@ -17,7 +17,6 @@ void add_study_loss(app::Commands& commands, app::Command study);
 void add_study_motion(app::Commands& commands, app::Command study);
 void add_study_placement(app::Commands& commands, app::Command study);
 void add_study_sensors(app::Commands& commands, app::Command study);
-void add_study_settings(app::Commands& commands, app::Command study);
 void add_study_speech(app::Commands& commands, app::Command study);
 void add_study_trackers(app::Commands& commands, app::Command study);
 

@@ -41,14 +41,12 @@ void make_quick(AblationRequest& request) {
   request.data.seconds = request.data.device_seconds = 6;
   request.test_people = std::min<std::size_t>(request.test_people, 2);
   request.test_seconds = 6;
-  request.stand_ins = 5;
-  request.stand_in_seconds = 30;
 }
 
 /// Of the quick study: those that the rig has sensors for.
-std::vector<std::string> quick_rows(const sensor::Rig& rig, bool stand_ins) {
+std::vector<std::string> quick_rows(const sensor::Rig& rig, bool takes) {
   std::vector<std::string> names;
-  for (const AblationRow& row : ablation_rows(rig, stand_ins))
+  for (const AblationRow& row : ablation_rows(rig, takes))
     for (const char* quick : {"five_sensors", "tenth_of_people", "takes_too", "diffusion", "no_overlap"})
       if (row.name == quick) names.push_back(row.name);
   return names;
@@ -96,7 +94,7 @@ app::Json to_json(const AblationStudy& study, const StudyAblationOptions& option
                    {"training_people", study.training_people},
                    {"training_minutes", study.training_minutes},
                    {"test_people", request.test_people},
-                   {"takes", study.takes_are},
+                   {"takes", options.takes},
                    {"motions", options.motions},
                    {"face", options.face},
                    {"rows", app::Json::array()},
@@ -158,8 +156,8 @@ Result<void> run_study_ablation(StudyAblationOptions options) {
   if (options.quick) make_quick(request);
   // Before hours of work.
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(request.rig));
-  if (options.quick && request.rows.empty()) request.rows = quick_rows(rig, request.takes.empty());
-  MIEN_TRY(chosen_rows(rig, request.takes.empty(), request.rows));
+  if (options.quick && request.rows.empty()) request.rows = quick_rows(rig, !request.takes.empty());
+  MIEN_TRY(chosen_rows(rig, !request.takes.empty(), request.rows));
   MIEN_TRY(app::find_helper("mien-train"));
   MIEN_TRY(load_motions(options));
   if (!request.takes.empty())
@@ -178,8 +176,8 @@ Result<void> run_study_ablation(StudyAblationOptions options) {
   const std::string subtitle =
       fmt::format("{} trainings a row of {} steps, seed {}{}", request.seeds, request.steps, request.seed,
                   options.quick ? "; quick, compares nothing" : "");
-  MIEN_TRY_ASSIGN(const measure::Report report, ablation_report(study, subtitle));
-  return put_out_in_folder(options.to, "ablation", report, to_json(study, options));
+  return put_out_in_folder(options.to, "ablation", ablation_report(study, options.takes, subtitle),
+                           to_json(study, options));
 }
 
 }  // namespace
@@ -196,16 +194,15 @@ void add_study_ablation(app::Commands& commands, app::Command study) {
       "--rows", request.rows,
       "Only these rows, by name, and the base (default: all, an hour or two of two cores): five_sensors, "
       "five_upper, no_frontalis, no_orbicularis, "
-      "no_zygomaticus, no_buccinator, one_side, third_of_people, tenth_of_people, takes_alone, "
-      "takes_too, no_difference, transformer, diffusion, no_overlap, window_30, window_60, window_240");
+      "no_zygomaticus, no_buccinator, one_side, third_of_people, tenth_of_people, no_difference, "
+      "transformer, diffusion, no_overlap, window_30, window_60, window_240; with --takes: takes_alone, "
+      "takes_too");
   add_short_training_options(command, {.seeds = request.seeds,
                                        .steps = request.steps,
                                        .data = request.data,
                                        .test_people = request.test_people});
-  const app::Option takes =
-      command.add_option("--takes", options->takes,
-                         "Folder of people's takes with a phone's truth, for the rows of "
-                         "takes; virtual people before virtual phones unless told");
+  const app::Option takes = command.add_option(
+      "--takes", options->takes, "Folder of people's takes with a phone's truth, for the rows of takes");
   command
       .add_option("--splits", options->splits,
                   "File of who of the takes is trained on and who validated on, as `mien dataset` writes it")

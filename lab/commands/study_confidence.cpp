@@ -121,22 +121,76 @@ measure::Table shapes(const model::ConfidenceTable& table) {
   return out;
 }
 
-measure::Table confidence_table(const std::vector<synthetic::ConfidenceRow>& rows) {
-  measure::Table out;
-  out.caption = "Calibration error (ECE) and correlation with the truth, beside what was said before";
-  out.columns = {"",    "people",          "called measured, %", "r of 0.5 or more, %", "before, %",
-                 "ECE", "ECE of each one", "ECE moving",         "ECE before",          "kept"};
-  for (const synthetic::ConfidenceRow& row : rows)
-    out.rows.push_back(
-        {name_of(row), fmt::format("{}", row.people), fmt::format("{:.1f}", 100 * row.measured),
-         fmt::format("{:.1f}", 100 * row.followed.share()),
-         fmt::format("{:.1f}", 100 * row.followed_before.share()),
-         fmt::format("{:.3f}", row.all.expected_error()),
-         fmt::format("{:.3f} ({:.3f} to {:.3f})", upper_median(row.single), row.single.front(),
-                     row.single.back()),
-         fmt::format("{:.3f}", row.moving.expected_error()),
-         fmt::format("{:.3f}", row.all_before.expected_error()), synthetic::kept(row) ? "yes" : "no"});
+app::Json to_json(const solve::Reliability& reliability) {
+  app::Json bins = app::Json::array();
+  for (const solve::Reliability::Bin& bin : reliability.bins())
+    if (bin.frames > 0)
+      bins.push_back({{"frames", bin.frames},
+                      {"confidence", bin.confidence / bin.frames},
+                      {"within", bin.within / bin.frames}});
+  return {{"expected_calibration_error", reliability.expected_error()}, {"bins", bins}};
+}
+
+app::Json range_of(const std::vector<double>& ascending) {
+  return {{"median", upper_median(ascending)}, {"least", ascending.front()}, {"most", ascending.back()}};
+}
+
+app::Json to_json(const solve::RegionTally& regions) {
+  app::Json out = to_json(regions.all);
+  out["area_under_curve"] = regions.roc.area();
+  app::Json& each = out["each"] = app::Json::object();
+  for (std::size_t r = 0; r < face::kShapeRegionCount; ++r)
+    each[std::string(face::kShapeRegionNames[r])] = {
+        {"expected_calibration_error", regions.each[r].expected_error()},
+        {"area_under_curve", regions.roc_each[r].area()}};
   return out;
+}
+
+/// "0.041 (0.020 to 0.066)": the median, the least and the most.
+std::string range_text(const std::vector<double>& ascending) {
+  return fmt::format("{:.3f} ({:.3f} to {:.3f})", upper_median(ascending), ascending.front(),
+                     ascending.back());
+}
+
+/// What the table of all shapes shows, and the figures of regions as JSON has them.
+const Columns<synthetic::ConfidenceRow>& confidence_columns() {
+  using Row = synthetic::ConfidenceRow;
+  static const Columns<Row> columns = {
+      {"", "", "{}", name_of},
+      {"who", "", "", &Row::who},
+      {"fault", "", "", &Row::fault},
+      {"lost", "", "", &Row::lost},
+      {"people", "people", "{}", &Row::people},
+      {"frames", "", "", &Row::frames},
+      {"measured", "called measured, %", "{:.1f}", &Row::measured, 100},
+      {"gaze_measured", "", "", &Row::gaze_measured},
+      {"correlations", "", "", [](const Row& row) { return row.followed.pairs; }},
+      {"correlations_kept", "r of 0.5 or more, %", "{:.1f}",
+       [](const Row& row) { return row.followed.share(); }, 100},
+      {"", "before, %", "{:.1f}", [](const Row& row) { return row.followed_before.share(); }, 100},
+      {"all", "", "", [](const Row& row) { return to_json(row.all); }},
+      {"", "ECE", "{:.3f}", [](const Row& row) { return row.all.expected_error(); }},
+      {"ece_single", "", "", [](const Row& row) { return range_of(row.single); }},
+      {"", "ECE of each one", "{}", [](const Row& row) { return range_text(row.single); }},
+      {"moving", "", "", [](const Row& row) { return to_json(row.moving); }},
+      {"", "ECE moving", "{:.3f}", [](const Row& row) { return row.moving.expected_error(); }},
+      {"before", "", "",
+       [](const Row& row) {
+         return app::Json{{"correlations", row.followed_before.pairs},
+                          {"correlations_kept", row.followed_before.share()},
+                          {"all", to_json(row.all_before)}};
+       }},
+      {"", "ECE before", "{:.3f}", [](const Row& row) { return row.all_before.expected_error(); }},
+      {"kept", "kept", "{}", [](const Row& row) { return synthetic::kept(row); }},
+      {"regions", "", "", [](const Row& row) { return to_json(row.regions); }},
+      {"regions_ece_single", "", "", [](const Row& row) { return range_of(row.regions_single); }},
+      {"regions_kept", "", "", [](const Row& row) { return synthetic::regions_kept(row); }}};
+  return columns;
+}
+
+measure::Table confidence_table(const std::vector<synthetic::ConfidenceRow>& rows) {
+  return table_of("Calibration error (ECE) and correlation with the truth, beside what was said before", rows,
+                  confidence_columns());
 }
 
 measure::Table regions_table(const std::vector<synthetic::ConfidenceRow>& rows,
@@ -161,8 +215,7 @@ measure::Table regions_table(const std::vector<synthetic::ConfidenceRow>& rows,
                fmt::format("{}", row.people),
                fmt::format("{:.1f}", frames > 0 ? 100 * within / frames : 0),
                fmt::format("{:.3f}", row.regions.all.expected_error()),
-               fmt::format("{:.3f} ({:.3f} to {:.3f})", upper_median(row.regions_single),
-                           row.regions_single.front(), row.regions_single.back()),
+               range_text(row.regions_single),
                fmt::format("{:.3f}", row.regions.roc.area())};
       for (std::size_t r = 0; r < face::kShapeRegionCount; ++r) {
         cells.push_back(fmt::format("{:.3f}", row.regions.each[r].expected_error()));
@@ -316,54 +369,6 @@ struct StudyConfidenceOptions {
   Output to;
 };
 
-app::Json to_json(const solve::Reliability& reliability) {
-  app::Json bins = app::Json::array();
-  for (const solve::Reliability::Bin& bin : reliability.bins())
-    if (bin.frames > 0)
-      bins.push_back({{"frames", bin.frames},
-                      {"confidence", bin.confidence / bin.frames},
-                      {"within", bin.within / bin.frames}});
-  return {{"expected_calibration_error", reliability.expected_error()}, {"bins", bins}};
-}
-
-app::Json range_of(const std::vector<double>& ascending) {
-  return {{"median", upper_median(ascending)}, {"least", ascending.front()}, {"most", ascending.back()}};
-}
-
-app::Json to_json(const solve::RegionTally& regions) {
-  app::Json out = to_json(regions.all);
-  out["area_under_curve"] = regions.roc.area();
-  app::Json& each = out["each"] = app::Json::object();
-  for (std::size_t r = 0; r < face::kShapeRegionCount; ++r)
-    each[std::string(face::kShapeRegionNames[r])] = {
-        {"expected_calibration_error", regions.each[r].expected_error()},
-        {"area_under_curve", regions.roc_each[r].area()}};
-  return out;
-}
-
-app::Json to_json(const synthetic::ConfidenceRow& row) {
-  return {{"who", row.who},
-          {"fault", row.fault},
-          {"lost", row.lost},
-          {"people", row.people},
-          {"frames", row.frames},
-          {"measured", row.measured},
-          {"gaze_measured", row.gaze_measured},
-          {"correlations", row.followed.pairs},
-          {"correlations_kept", row.followed.share()},
-          {"all", to_json(row.all)},
-          {"ece_single", range_of(row.single)},
-          {"moving", to_json(row.moving)},
-          {"before",
-           {{"correlations", row.followed_before.pairs},
-            {"correlations_kept", row.followed_before.share()},
-            {"all", to_json(row.all_before)}}},
-          {"kept", synthetic::kept(row)},
-          {"regions", to_json(row.regions)},
-          {"regions_ece_single", range_of(row.regions_single)},
-          {"regions_kept", synthetic::regions_kept(row)}};
-}
-
 /// Each region's offset and slope; null where the table has no maps.
 app::Json maps_json(const model::ConfidenceTable& table) {
   if (!table.regions) return nullptr;
@@ -448,18 +453,16 @@ Result<void> run_study_confidence(StudyConfidenceOptions options) {
                   synthetic::study_faults(table, faulty, app::terminal_progress("faults"), 0));
   const std::string subtitle = fmt::format(
       "model {}, seed {}", std::filesystem::path(options.model).filename().string(), options.seed);
-  app::Json out = {{"model", options.model},
-                   {"rig", model.rig.name},
-                   {"seed", options.seed},
-                   {"measured_from", table.measured_from},
-                   {"explained", by_shape([&](std::size_t k) {
-                      return table.explained_by(k, table.coverage_bins() - 1);
-                    })},
-                   {"regions", maps_json(table)},
-                   {"rows", app::Json::array()},
-                   {"faults", app::Json::array()}};
-  for (const synthetic::ConfidenceRow& row : rows) out["rows"].push_back(to_json(row));
-  for (const synthetic::ConfidenceRow& row : faults) out["faults"].push_back(to_json(row));
+  const app::Json out = {{"model", options.model},
+                         {"rig", model.rig.name},
+                         {"seed", options.seed},
+                         {"measured_from", table.measured_from},
+                         {"explained", by_shape([&](std::size_t k) {
+                            return table.explained_by(k, table.coverage_bins() - 1);
+                          })},
+                         {"regions", maps_json(table)},
+                         {"rows", json_of(rows, confidence_columns())},
+                         {"faults", json_of(faults, confidence_columns())}};
   return put_out(options.to, confidence_report(rows, faults, table, subtitle), out,
                  options.write.empty() ? "" : fmt::format("model with its table: {}\n", options.write));
 }

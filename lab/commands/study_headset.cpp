@@ -15,11 +15,9 @@
 #include "app/performance.h"
 #include "app/seed_option.h"
 #include "lab/commands/output.h"
-#include "lab/headset/contact_sheet.h"
 #include "lab/headset/headset_study.h"
 #include "mien/face/profile.h"
 #include "mien/headset/views_file.h"
-#include "mien/render/lettering.h"
 #include "mien/sensor/rig.h"
 
 namespace mien::lab {
@@ -27,26 +25,12 @@ namespace {
 
 struct StudyHeadsetOptions {
   HeadsetStudyRequest request;
-  ContactSheetRequest sheet;
   Output to;
-  std::string sheet_out, rig, model, motion, face;
+  std::string rig, model, motion, face;
   std::string precision{model::precision_name(headset::kHeadsetPrecision)};
   int wearers = 0;     // 0: the default.
   double minutes = 0;  // Of a session of hours; 0: the conditions instead.
 };
-
-Result<void> write_sheet(const StudyHeadsetOptions& options, const sensor::Rig& rig) {
-  ContactSheetRequest request = options.sheet;
-  request.seed = options.request.seed;
-  if (options.wearers > 0) request.wearers = options.wearers;
-  if (std::filesystem::exists(render::kFontFile)) request.font = render::kFontFile;
-  MIEN_TRY_ASSIGN(const render::Image sheet,
-                  headset_contact_sheet(request, rig, app::terminal_progress("headset")));
-  app::clear_progress();
-  MIEN_TRY(render::write_png(options.sheet_out, sheet));
-  fmt::print("{}: {} x {} pixels\n", options.sheet_out, sheet.width, sheet.height);
-  return {};
-}
 
 constexpr std::array kParts = {"upper", "lower", "gaze"};
 
@@ -142,7 +126,6 @@ Result<void> run_headset_hours(const StudyHeadsetOptions& options, const sensor:
 Result<void> run_study_headset(const StudyHeadsetOptions& options) {
   MIEN_TRY_ASSIGN(const std::filesystem::path file, app::path_or(options.rig, "rigs/headset.toml"));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(file));
-  if (!options.sheet_out.empty()) return write_sheet(options, rig);
   MIEN_TRY_ASSIGN(const std::filesystem::path model_path,
                   app::path_or(options.model, "models/headset.safetensors"));
   MIEN_TRY_ASSIGN(const headset::ViewsFile views, headset::read_views_file(model_path));
@@ -187,17 +170,14 @@ void add_study_headset(app::Commands& commands, app::Command study) {
   const app::Command command = commands.add_under(
       study, "headset",
       "How well a headset's cameras tell the face of wearers whom nothing learnt from, as worn, put on anew, "
-      "with slow or lost cameras and hidden; or a sheet of what they see",
+      "with slow or lost cameras and hidden",
       "mien study headset --wearers 30 --seconds 8", [options] { return run_study_headset(*options); });
-  command.add_option("--sheet", options->sheet_out, "Write a PNG of wearers and expressions instead");
   command.add_option("--rig", options->rig, "Rig file (default: rigs/headset.toml)");
   command.add_option("--model", options->model, "Model (default: models/headset.safetensors)");
   command.add_option("--precision", options->precision, "What its layers multiply in: fp32, bf16 or int8")
       .one_of({"fp32", "bf16", "int8"})
       .show_default();
-  command
-      .add_option("--wearers", options->wearers,
-                  "Virtual wearers (default: 30, with --minutes 2); of a sheet, a row each (default: 6)")
+  command.add_option("--wearers", options->wearers, "Virtual wearers (default: 30, with --minutes 2)")
       .in_range(1, 1000);
   command.add_option("--seconds", options->request.seconds, "Of motion a wearer")
       .in_range(1.0, 3600.0)
@@ -206,11 +186,6 @@ void add_study_headset(app::Commands& commands, app::Command study) {
       "--motion", options->motion,
       "What all of them perform: a Live Link Face CSV, or a take whose truth; else a script each");
   command.add_option("--face", options->face, "The face that all of them have; else the built-in family");
-  command.add_flag("--failures", options->sheet.failures,
-                   "Of a sheet: a row for each thing that hides a face, instead of expressions");
-  command.add_option("--side", options->sheet.side, "Of a sheet: pixels of a view either way")
-      .in_range(16, 480)
-      .show_default();
   const app::Option minutes =
       command
           .add_option("--minutes", options->minutes,
@@ -218,8 +193,7 @@ void add_study_headset(app::Commands& commands, app::Command study) {
                       "each ten minutes, while the headset slips, beside one that does not and one that is "
                       "re-centred")
           .in_range(10.0, 180.0);
-  for (const char* name : {"--sheet", "--motion", "--face", "--failures", "--side"})
-    minutes.excludes(command.option(name));
+  for (const char* name : {"--motion", "--face"}) minutes.excludes(command.option(name));
   app::add_json_flag(command, options->to.json);
   app::add_seed_option(command, options->request.seed, "Of the wearers and their headsets");
 }

@@ -92,19 +92,14 @@ Result<LiveModels> load_models(StudyLiveOptions& options, std::optional<tracker:
   return models;
 }
 
-app::Json spread_or_null(const std::optional<measure::MeanStd>& value) {
-  return value ? app::Json{{"mean", value->mean}, {"std", value->std}} : app::Json();
-}
-
 app::Json to_json(const LiveMethod& method) {
   app::Json out = {{"name", method.name}};
   for (std::size_t m = 0; m < kMeasureCount; ++m) {
-    const auto measure = static_cast<Measure>(m);
-    app::Json& figure = out[std::string(measure_name(measure))] = spread_or_null(method.over(measure));
-    if (figure.is_null()) continue;
-    figure["performers"] = app::Json::array();
-    for (const Figures& figures : method.performers)
-      figure["performers"].push_back(figures[m] ? app::Json(*figures[m]) : app::Json());
+    const std::optional<measure::MeanStd> value = method.over(static_cast<Measure>(m));
+    app::Json& figure = out[std::string(kMeasures[m].name)];
+    if (!value) continue;
+    figure = {{"mean", value->mean}, {"std", value->std}, {"performers", app::Json::array()}};
+    for (const Figures& figures : method.performers) figure["performers"].push_back(or_null(figures[m]));
   }
   return out;
 }
@@ -114,7 +109,7 @@ app::Json to_json(const LiveSet& set) {
   for (const LiveRow& row : set.rows) {
     app::Json methods = app::Json::array();
     for (const LiveMethod& method : row.methods) methods.push_back(to_json(method));
-    out["rows"].push_back({{"condition", live_condition_name(row.condition)},
+    out["rows"].push_back({{"condition", names_of(row.condition).name},
                            {"title", row.title},
                            {"performers", row.methods.front().performers.size()},
                            {"frames", row.frames},

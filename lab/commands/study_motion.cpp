@@ -10,8 +10,8 @@
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
+#include "lab/commands/output.h"
 #include "lab/motion_statistics.h"
-#include "lab/virtual_motion.h"
 
 namespace mien::lab {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 struct StudyMotionOptions {
   std::vector<std::string> files;
   VirtualMotionRequest request = {.performers = 0};
-  bool json = false;
+  Output to;
 };
 
 Result<MotionStatistics> statistics_of(const std::string& file) {
@@ -60,13 +60,10 @@ Result<void> run_study_motion(const StudyMotionOptions& options) {
   if (options.request.performers > 0) {
     MIEN_TRY_ASSIGN(std::vector<MotionStatistics> made,
                     virtual_motion(options.request, app::terminal_progress("motion")));
-    app::clear_progress();
     for (MotionStatistics& kind : made) columns.push_back(std::move(kind));
   }
-  if (!options.json) {
-    fmt::print("{}", comparison_markdown(columns, files));
-    return {};
-  }
+  measure::Report report("How performances move");
+  for (const measure::Table& table : motion_tables(columns, files)) report.table(table);
   app::Json out = {{"files", options.files},
                    {"performers", options.request.performers},
                    {"seconds", options.request.seconds},
@@ -74,8 +71,7 @@ Result<void> run_study_motion(const StudyMotionOptions& options) {
                    {"motions", app::Json::array()}};
   for (const MotionStatistics& column : columns)
     out["motions"].push_back(motion_json(column, std::span(columns).first(files)));
-  app::print_json(out);
-  return {};
+  return put_out(options.to, report, out);
 }
 
 }  // namespace
@@ -99,7 +95,7 @@ void add_study_motion(app::Commands& commands, app::Command study) {
       .needs(performers)
       .show_default();
   app::add_seed_option(command, options->request.seed, "Of the virtual performers").needs(performers);
-  app::add_json_flag(command, options->json);
+  app::add_json_flag(command, options->to.json);
 }
 
 }  // namespace mien::lab

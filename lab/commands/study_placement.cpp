@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <numeric>
 #include <system_error>
 #include <utility>
 
@@ -66,38 +67,6 @@ PlacementObjective objective_of(const std::string& name) {
   return name == "groups" ? PlacementObjective::groups : PlacementObjective::vertex;
 }
 
-app::Json to_json(const PlacementRow& row) {
-  app::Json groups;
-  for (std::size_t g = 0; g < kShapeGroups.size(); ++g)
-    groups[std::string(kShapeGroups[g])] = row.group_ratios[g];
-  app::Json left;
-  for (std::size_t k = 0; k < face::kShapeCount; ++k)
-    left[std::string(face::kShapeNames[k])] = row.bound.left[k];
-  return {{"sensors", row.sensors},
-          {"rms_vertex_mm", row.rms_vertex_mm},
-          {"pve_mm", row.bound.pve_mm.mean},
-          {"pve_face_mm", row.bound.pve_face_mm ? app::Json(row.bound.pve_face_mm->mean) : app::Json()},
-          {"lmk_mm", row.bound.lmk_mm ? app::Json(row.bound.lmk_mm->mean) : app::Json()},
-          {"mse", row.bound.mse},
-          {"groups_left", std::move(groups)},
-          {"left", std::move(left)}};
-}
-
-app::Json to_json(const MisplacementCost& cost) {
-  return {{"mean", cost.mean}, {"worst", cost.worst}};
-}
-
-app::Json to_json(const std::vector<SiteMisplacement>& sites) {
-  app::Json out = app::Json::array();
-  for (const SiteMisplacement& site : sites)
-    out.push_back({{"sensor", site.sensor},
-                   {"shifted", to_json(site.shifted)},
-                   {"shifted_known", to_json(site.shifted_known)},
-                   {"turned", to_json(site.turned)},
-                   {"tilted", to_json(site.tilted)}});
-  return out;
-}
-
 app::Json to_json(const PaperAgreement& agreement) {
   return {{"areas", agreement.areas}, {"all", agreement.all}};
 }
@@ -119,21 +88,6 @@ app::Json paper_json(const PaperSitesStudy& felt) {
             {"rotation", to_json(felt.rotation)}}}};
 }
 
-app::Json candidates_json(const PlacementStudy& study) {
-  app::Json out = app::Json::array();
-  for (std::size_t i = 0; i < study.candidates.size(); ++i) {
-    const SensorCandidate& candidate = study.candidates[i];
-    const Vec3& p = candidate.position_m;
-    out.push_back({{"name", candidate.name},
-                   {"area", candidate.area},
-                   {"side", std::string(1, candidate.side)},
-                   {"position_m", {p.x(), p.y(), p.z()}},
-                   {"alone", study.alone[i]},
-                   {"tells", top_shapes(study.alone_posterior[i])}});
-  }
-  return out;
-}
-
 app::Json to_json(const PlacementStudy& study, const PlacementOptions& options) {
   app::Json out = {{"face", options.face},
                    {"seed", options.request.seed},
@@ -144,14 +98,11 @@ app::Json to_json(const PlacementStudy& study, const PlacementOptions& options) 
                    {"one_sided", options.one_sided},
                    {"quick", options.request.quick},
                    {"left_right", study.left_right},
-                   {"paper", to_json(study.paper)},
-                   {"paper_five", to_json(study.paper_five)},
-                   {"sets", app::Json::array()}};
-  for (const PlacementRow& row : study.sets) out["sets"].push_back(to_json(row));
+                   {"paper", json_of(study.paper, placement_columns())},
+                   {"paper_five", json_of(study.paper_five, placement_columns())},
+                   {"sets", json_of(study.sets, placement_columns())}};
   out["chosen"] = app::Json::array();
   for (const std::size_t i : study.chosen) out["chosen"].push_back(study.candidates[i].name);
-  out["misplaced"] = to_json(study.misplaced);
-  out["misplaced_paper"] = to_json(study.misplaced_paper);
   out["paper_table"] = paper_json(study.paper_sites);
   const PlacementTrainingRequest& training = options.request.training;
   out["amounts"] = {{"seeds", training.seeds},
@@ -159,14 +110,7 @@ app::Json to_json(const PlacementStudy& study, const PlacementOptions& options) 
                     {"performers", training.data.performers},
                     {"test_people", training.test_people}};
   out["not_trained"] = study.not_trained.empty() ? app::Json() : app::Json(study.not_trained);
-  out["trained"] = app::Json::array();
-  for (const TrainedPlacement& row : study.trained)
-    out["trained"].push_back({{"name", row.name},
-                              {"sensors", row.sensors},
-                              {"device_pve_mm", row.device.pve_mm},
-                              {"device_mse", row.device.mse},
-                              {"lab_pve_mm", row.lab.pve_mm},
-                              {"lab_mse", row.lab.mse}});
+  out["trained"] = json_of(study.trained, trained_columns());
   out["contests"] = app::Json::array();
   for (const PlacementContest& one : study.contests)
     out["contests"].push_back({{"ours", one.ours},
@@ -176,7 +120,9 @@ app::Json to_json(const PlacementStudy& study, const PlacementOptions& options) 
                                {"device_mse", interval_json(one.device_mse)},
                                {"lab_mse", interval_json(one.lab_mse)},
                                {"verdict", options.request.quick ? app::Json() : app::Json(one.verdict())}});
-  out["candidates"] = candidates_json(study);
+  std::vector<std::size_t> all(study.candidates.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  out["candidates"] = json_of(all, candidate_columns(study));
   return out;
 }
 
@@ -222,8 +168,10 @@ Result<std::string> write_winner(const PlacementOptions& options, const Placemen
   if (sensor::write_rig(back) != sensor::write_rig(rig))
     return fail(ErrorCode::internal, "the rig does not read back", options.write_rig);
   MIEN_TRY(write_file(options.write_rig, text));
+  MIEN_TRY_ASSIGN(const std::filesystem::path shipped, find_resource("models/recipes/placement.toml"));
+  MIEN_TRY_ASSIGN(const std::string recipe_text, read_text(shipped));
   const std::filesystem::path recipe = folder / "recipe.toml";
-  MIEN_TRY(write_file(recipe, placement_recipe()));
+  MIEN_TRY(write_file(recipe, recipe_text));
   const std::string model =
       std::filesystem::path(options.write_rig).replace_extension(".safetensors").string();
   return fmt::format(
@@ -231,7 +179,7 @@ Result<std::string> write_winner(const PlacementOptions& options, const Placemen
       "  mien train {1} --rig {0} --out {3} --threads 1\n"
       "  mien live --rig {0} --model {3}\n"
       "  mien perform --rig {0} --to udp://127.0.0.1:5005\n",
-      options.write_rig, recipe.string(), placement_recipe(), model);
+      options.write_rig, recipe.string(), recipe_text, model);
 }
 
 Result<void> run_study_placement(PlacementOptions options) {
@@ -262,7 +210,7 @@ Result<void> run_study_placement(PlacementOptions options) {
   const std::string subtitle =
       fmt::format("{} sensors on {}, seed {}{}", options.request.sensors, app::one_line(options.face),
                   options.request.seed, options.request.quick ? "; quick, compares nothing" : "");
-  MIEN_TRY(render::write_png(folder / "placement.png", study.pictures.together()));
+  MIEN_TRY(render::write_png(folder / "placement.png", study.picture));
   MIEN_TRY_ASSIGN(const measure::Report report, placement_report(study, options.request, subtitle));
   if (options.to.json) {
     if (!study.not_trained.empty()) fmt::print(stderr, "mien: {}\n", study.not_trained);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -35,8 +34,6 @@ struct StudySensorsOptions {
 
 /// Of the whole study's time.
 constexpr double kFaithfulShare = 0.5;
-/// Where the colours of the picture end.
-constexpr double kPictureScaleMm = 8;
 
 app::Json to_json(const SensorsMethod& method, const std::vector<std::string>& markers) {
   app::Json out = json_of(method.overall, sensors_columns());
@@ -118,17 +115,11 @@ Result<void> run_study_sensors(StudySensorsOptions options) {
       study_minute(options.request, rig, markers, model, {}, [&](double part, std::string_view what) {
         return shown(kFaithfulShare + (1 - kFaithfulShare) * part, what);
       }));
-  render::Image picture;
-  if (!options.to.out.empty()) {
-    const std::array<const SensorsMethod*, 3> shown_methods = {&study.mean_pose, &study.faithful,
-                                                               &minute.learned()};
-    MIEN_TRY_ASSIGN(picture, error_picture(markers, shown_methods, kPictureScaleMm));
-  }
   const std::string subtitle =
       fmt::format("{} virtual wearers, seed {}", options.request.wearers, options.request.seed);
-  MIEN_TRY_ASSIGN(const measure::Report report, sensors_report(study, minute, subtitle, picture));
   options.rig = rig.name;
-  return put_out(options.to, report, to_json(study, minute, markers, options));
+  return put_out(options.to, sensors_report(study, minute, subtitle),
+                 to_json(study, minute, markers, options));
 }
 
 }  // namespace
@@ -151,7 +142,7 @@ void add_study_sensors(app::Commands& commands, app::Command study) {
       .in_range(1, 1000)
       .show_default();
   app::add_seed_option(command, options->request.seed, "Of the wearers, their glasses and what they do");
-  command.add_option("--out", options->to.out, "Write a self-contained HTML page with tables and curves");
+  command.add_option("--out", options->to.out, "Write a self-contained HTML page with the tables");
   app::add_json_flag(command, options->to.json);
 }
 

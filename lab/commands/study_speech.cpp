@@ -10,40 +10,19 @@
 #include "app/media_helper.h"
 #include "app/seed_option.h"
 #include "lab/commands/output.h"
-#include "lab/speech/phone_labels.h"
 #include "lab/speech/speech_study.h"
-#include "mien/core/files.h"
 
 namespace mien::lab {
 namespace {
 
 struct StudySpeechOptions {
   SpeechRequest request;
-  std::vector<std::string> recordings;
   std::string model, write;
   Output to;
 };
 
-/// The labels of FILE.wav: FILE.phone.json or FILE_phone.lab.
-Result<LabelledSound> read_labelled(const std::filesystem::path& path) {
-  LabelledSound sound{.name = path.filename().string(), .sound = {}, .closures = {}};
-  MIEN_TRY_ASSIGN(const auto bytes, read_file(path));
-  MIEN_TRY_ASSIGN(sound.sound, parse_wav(bytes, path.string()));
-  const std::filesystem::path stem = path.parent_path() / path.stem();
-  for (const char* ending : {".phone.json", "_phone.lab"}) {
-    const std::filesystem::path labels = stem.string() + ending;
-    if (!std::filesystem::exists(labels)) continue;
-    MIEN_TRY_ASSIGN(const std::string text, read_text(labels));
-    MIEN_TRY_ASSIGN(sound.closures, parse_phone_labels(text, labels.string()));
-    return sound;
-  }
-  return fail(ErrorCode::not_found, "nobody says when its phones are spoken", path.string(),
-              "put their times beside it, as " + stem.filename().string() + ".phone.json or _phone.lab");
-}
-
-/// Of recordings nobody knows how the jaw moved.
-Columns<SpeechRow> speech_columns(bool with_jaw) {
-  Columns<SpeechRow> columns = {
+const Columns<SpeechRow>& speech_columns() {
+  static const Columns<SpeechRow> columns = {
       {"", "sound", "{}", &SpeechRow::sound},
       {"method", "way", "{}", &SpeechRow::method},
       {"sound", "", "", &SpeechRow::sound},
@@ -51,8 +30,8 @@ Columns<SpeechRow> speech_columns(bool with_jaw) {
       {"heard", "", "", [](const SpeechRow& row) { return row.closures.heard; }},
       {"recall", "recall", "{:.2f}", [](const SpeechRow& row) { return row.closures.recall(); }},
       {"false", "false", "{:.2f}", [](const SpeechRow& row) { return row.closures.false_share(); }},
-      {"late_s", "late ms", "{:.0f}", &SpeechRow::late_s, 1e3}};
-  if (with_jaw) columns.push_back({"jaw_correlation", "jaw", "{:.2f}", &SpeechRow::jaw_correlation});
+      {"late_s", "late ms", "{:.0f}", &SpeechRow::late_s, 1e3},
+      {"jaw_correlation", "jaw", "{:.2f}", &SpeechRow::jaw_correlation}};
   return columns;
 }
 
@@ -88,11 +67,7 @@ Result<void> write_confidence(const StudySpeechOptions& options, speech::SpeechN
 }
 
 Result<void> run_study_speech(const StudySpeechOptions& options) {
-  SpeechRequest request = options.request;
-  for (const std::string& path : options.recordings) {
-    MIEN_TRY_ASSIGN(LabelledSound sound, read_labelled(path));
-    request.recorded.push_back(std::move(sound));
-  }
+  const SpeechRequest& request = options.request;
   MIEN_TRY_ASSIGN(const std::filesystem::path model,
                   app::path_or(options.model, "models/speech.safetensors"));
   MIEN_TRY_ASSIGN(speech::SpeechNetworkFile network, speech::read_speech_network(model));
@@ -115,9 +90,8 @@ Result<void> run_study_speech(const StudySpeechOptions& options) {
     out[name] = json_of(rows, columns);
     if (!rows.empty()) report.table(table_of(std::move(caption), rows, columns));
   };
-  add("conditions", "By condition", study.conditions, speech_columns(true));
-  add("languages", "Clean, by language", study.languages, speech_columns(true));
-  add("recorded", "Recordings", study.recorded, speech_columns(false));
+  add("conditions", "By condition", study.conditions, speech_columns());
+  add("languages", "Clean, by language", study.languages, speech_columns());
   add("others", "Sounds that are no speech: share of frames in which the mouth moves by more than 0.05",
       study.others, other_columns());
   add("confidence", "Expected calibration error of the network's confidence", confidence,
@@ -130,10 +104,8 @@ Result<void> run_study_speech(const StudySpeechOptions& options) {
 void add_study_speech(app::Commands& commands, app::Command study) {
   auto options = std::make_shared<StudySpeechOptions>();
   const app::Command command = commands.add_under(
-      study, "speech", "How well mouth and jaw are heard, by four ways beside each other (needs mien-media)",
-      "mien study speech talk.wav --passages 2", [options] { return run_study_speech(*options); });
-  command.add_option("recordings", options->recordings,
-                     "WAV files whose phones' times stand beside them (FILE.phone.json or FILE_phone.lab)");
+      study, "speech", "How well mouth and jaw are heard, by two ways beside each other (needs mien-media)",
+      "mien study speech --passages 2", [options] { return run_study_speech(*options); });
   command.add_option("--model", options->model, "The network (default: models/speech.safetensors)");
   command.add_option("--passages", options->request.passages, "Of three lines, by each voice")
       .in_range(1, 1000)

@@ -2,32 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <utility>
-
-#include "lab/spread_on_skin.h"
-#include "mien/builtin_face/builtin_face.h"
-#include "mien/core/units.h"
-#include "mien/render/camera.h"
-#include "mien/render/error_colours.h"
-#include "mien/render/lettering.h"
-#include "mien/render/renderer.h"
 
 namespace mien::lab {
 namespace {
 
-constexpr render::Rgb kErrorInk = {40, 42, 48};
-
-/// Error of each vertex, metres.
-std::vector<float> vertex_errors_m(const face::Face& face, const std::vector<Vec3>& markers_m,
-                                   const std::vector<MarkerError>& errors) {
-  std::vector<double> error_m;
-  for (const MarkerError& error : errors) error_m.push_back(error.mean_mm / kMmPerM);
-  return spread_on_skin(face, markers_m, error_m);
-}
-
 constexpr const char* kSensorsTitle = "Markers from photo-reflective eyewear";
-constexpr std::size_t kCurvePoints = 6000;  // Enough to zoom into.
 
 std::string mm(double value) {
   return fmt::format("{:.2f}", value);
@@ -94,49 +74,7 @@ measure::BarPlot by_marker(const SensorsStudy& study, const MinuteStudy& minute)
   return plot;
 }
 
-measure::LinePlot curve(const SensorsStudy& study) {
-  measure::LinePlot plot;
-  plot.title = "Error over all markers through the first wearer's tests";
-  plot.x_label = "time (s)";
-  plot.y_label = "mean error (mm)";
-  measure::Line line{"all sensors", {}, {}};
-  const std::size_t every = std::max<std::size_t>(1, study.curve_s.size() / kCurvePoints);
-  for (std::size_t i = 0; i < study.curve_s.size(); i += every) {
-    line.x.push_back(study.curve_s[i]);
-    line.y.push_back(study.curve_mm[i]);
-  }
-  plot.lines.push_back(std::move(line));
-  plot.y_low = 0;
-  return plot;
-}
-
 }  // namespace
-
-Result<render::Image> error_picture(const builtin_face::MarkerSet& markers,
-                                    std::span<const SensorsMethod* const> methods, double full_scale_mm,
-                                    int height) {
-  const face::Face face = builtin_face::make_builtin();
-  MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed,
-                  builtin_face::PlacedMarkers::place(face, markers));
-  const render::Look look = render::Look::light();
-  const render::Camera camera =
-      render::portrait_camera(face, render::kThreeQuarterView_rad, height, height, 1.3F);
-  MIEN_TRY_ASSIGN(const auto lettering, render::Lettering::load());
-  render::Renderer renderer(face);
-  render::Image picture(static_cast<int>(methods.size()) * height, height);
-  const float size = 0.04F * static_cast<float>(height);
-  for (std::size_t i = 0; i < methods.size(); ++i) {
-    if (methods[i]->markers.size() != placed.count())
-      return fail(ErrorCode::mismatch, "a method has errors of other markers", methods[i]->name);
-    const std::vector<float> error_m = vertex_errors_m(face, placed.neutral_m(), methods[i]->markers);
-    const render::ErrorColours colours{error_m, static_cast<float>(full_scale_mm / kMmPerM)};
-    render::Image one = renderer.still(face.neutral_m, camera, look, &colours);
-    render::draw_error_legend(one, lettering, colours.full_scale_m, kErrorInk);
-    lettering.draw(one, methods[i]->name, 0.6F * size, 1.5F * size, size, kErrorInk);
-    render::paste(picture, one, static_cast<int>(i) * height, 0);
-  }
-  return picture;
-}
 
 const Columns<SensorsRow>& sensors_columns() {
   static const Columns<SensorsRow> columns = {
@@ -162,8 +100,8 @@ measure::Report minute_report(const MinuteStudy& minute, const std::vector<std::
   return report;
 }
 
-Result<measure::Report> sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
-                                       const std::string& subtitle, const render::Image& picture) {
+measure::Report sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
+                               const std::string& subtitle) {
   measure::Report report(kSensorsTitle, subtitle);
   report.key_figures({{"Mean error", mm(study.faithful.overall.all.mean_mm) + " mm",
                        fmt::format("published {} mm", mm(kPublished20.mean_mm))},
@@ -173,11 +111,6 @@ Result<measure::Report> sensors_report(const SensorsStudy& study, const MinuteSt
                        fmt::format("published {} mm", mm(kPublished20.mouth_mm))}});
   report.table(overview(study));
   report.table(minute_table(minute));
-  if (picture.width > 0) {
-    MIEN_TRY_ASSIGN(const std::vector<std::byte> png, render::encode_png(picture));
-    report.image(png,
-                 "Mean error of each marker as colour on the face, and between markers what lies between");
-  }
   report.bars(by_marker(study, minute));
   measure::Table names;
   names.caption = "Markers by number, mean error, mm";
@@ -189,7 +122,6 @@ Result<measure::Report> sensors_report(const SensorsStudy& study, const MinuteSt
          {&study.faithful, &study.faithful16, &study.mean_pose, &minute.learned()})
       row.push_back(mm(method->markers[m].mean_mm));
   }
-  report.plot(curve(study));
   report.table(wearers(study));
   report.table(names);
   return report;

@@ -44,7 +44,6 @@ std::array<performer::Pose, 6> asymmetric_poses() {
 }
 
 using eyewear::MarkerModel;
-using face::BlendshapeWeights;
 
 /// One window of ten on-off pairs, as a host sees it, and what was there.
 struct Recorded {
@@ -109,8 +108,6 @@ class Recorder {
 struct SensorsOutcome {
   SensorsTraining training;
   std::array<std::vector<MarkerSums>, 3> methods;  ///< faithful, faithful16, mean_pose: a test each.
-  std::vector<double> curve_s;
-  std::vector<double> curve_mm;
 };
 
 Eigen::MatrixXd take_rows(const Eigen::MatrixXd& from, const std::vector<std::size_t>& rows,
@@ -177,8 +174,6 @@ Result<SensorsOutcome> wear_for_study(const SensorsRequest& request, const senso
   tests_done.count(tests.size());
   MIEN_TRY(tests_done.go_on());
 
-  std::vector<std::size_t> every_marker(markers.markers.size());
-  for (std::size_t m = 0; m < every_marker.size(); ++m) every_marker[m] = m;
   SensorsOutcome out;
   out.training = {request.samples, kept.rejected, all.share()};
   // Tests, one after the other, windows without a gap.
@@ -192,18 +187,11 @@ Result<SensorsOutcome> wear_for_study(const SensorsRequest& request, const senso
                                           begins, offset_s, nullptr);
     std::vector<std::size_t> every(begins.size());
     for (std::size_t i = 0; i < every.size(); ++i) every[i] = i;
-    const Eigen::MatrixXd estimated = estimate(all, test.distances_m);
-    out.methods[0].emplace_back().add(estimated, test.truth_m);
+    out.methods[0].emplace_back().add(estimate(all, test.distances_m), test.truth_m);
     out.methods[1].emplace_back().add(
         estimate(without_hooks, take_rows(test.distances_m, every, &frame_sensors)), test.truth_m);
     const Eigen::MatrixXd mean_m = all.mean().transpose().replicate(test.truth_m.rows(), 1);
     out.methods[2].emplace_back().add(mean_m, test.truth_m);
-    for (Eigen::Index i = 0; i < test.truth_m.rows(); ++i) {
-      MarkerSums one;
-      one.add(Eigen::VectorXd(estimated.row(i)), Eigen::VectorXd(test.truth_m.row(i)));
-      out.curve_s.push_back(static_cast<double>(t) * request.test_s + begins[static_cast<std::size_t>(i)]);
-      out.curve_mm.push_back(one.over(every_marker).mean_mm);
-    }
     tests_done.count();
     MIEN_TRY(tests_done.go_on());
   }
@@ -228,8 +216,6 @@ std::vector<SensorsTest> make_sensors_tests(const virt::MarkerPoses& poses, Rand
     tests.push_back({SensorsTestSet::asymmetric, weights_of(pose)});
   return tests;
 }
-
-namespace {}  // namespace
 
 void MarkerSums::add(const Eigen::VectorXd& estimate_m, const Eigen::VectorXd& truth_m) {
   const Eigen::Index markers = truth_m.size() / 3;
@@ -346,8 +332,6 @@ Result<SensorsStudy> study_sensors(const SensorsRequest& request, const sensor::
   study.faithful = method("faithful", sensors, 0);
   study.faithful16 = method("faithful16", sensors - ear_hook_sensors(rig).size(), 1);
   study.mean_pose = method("mean_pose", 0, 2);
-  study.curve_s = outcomes.front().curve_s;
-  study.curve_mm = outcomes.front().curve_mm;
   return study;
 }
 

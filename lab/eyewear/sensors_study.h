@@ -110,9 +110,6 @@ struct SensorsStudy {
   SensorsMethod faithful;    ///< All sensors.
   SensorsMethod faithful16;  ///< Without those on the ear hooks.
   SensorsMethod mean_pose;   ///< The training's mean: knowing nothing.
-  /// The first wearer's error over all markers, sample by sample through the tests, mm; and when, s.
-  std::vector<double> curve_s;
-  std::vector<double> curve_mm;
 };
 
 /// Sensors on the ear hooks, by their sites "jaw_joint" and "lower_jaw".

@@ -11,50 +11,21 @@
 namespace mien::lab {
 namespace {
 
-/// Conditions that are drawn together.
-struct Group {
-  const char* name;
-  std::vector<LiveCondition> conditions;
-};
-const std::array<Group, 5>& groups() {
-  using enum LiveCondition;
-  static const std::array<Group, 5> all = {{{"Where the sensors are", {lab, seen, unseen, remount}},
-                                            {"What the wearer does", {walking, running, eating, rapid}},
-                                            {"What is lost", {one_lost, three_lost, bursts}},
-                                            {"Another simulator", {other_simulator}},
-                                            {"A long session", {long_session}}}};
-  return all;
-}
-
-struct LiveColumn {
-  Measure measure;
-  const char* head;
-  int decimals;
-};
-constexpr std::array<LiveColumn, kMeasureCount> kColumns = {{{Measure::pve, "PVE, mm", 3},
-                                                             {Measure::pve_face, "PVE face, mm", 3},
-                                                             {Measure::landmarks, "landmarks, mm", 3},
-                                                             {Measure::mse, "MSE", 4},
-                                                             {Measure::mse_observed, "MSE of 42", 4},
-                                                             {Measure::jitter, "jitter", 2},
-                                                             {Measure::blinks, "blink F1", 2}}};
-
 /// "0.70 ± 0.14"; of one performer the figure alone.
-std::string figure(const LiveMethod& method, const LiveColumn& column) {
-  const std::optional<measure::MeanStd> value = method.over(column.measure);
+std::string figure(const LiveMethod& method, std::size_t measure) {
+  const std::optional<measure::MeanStd> value = method.over(static_cast<Measure>(measure));
+  const int decimals = kMeasures[measure].decimals;
   if (!value) return "-";
-  if (method.performers.size() < 2) return fmt::format("{:.{}f}", value->mean, column.decimals);
-  return fmt::format("{:.{}f} ± {:.{}f}", value->mean, column.decimals, value->std, column.decimals);
+  if (method.performers.size() < 2) return fmt::format("{:.{}f}", value->mean, decimals);
+  return fmt::format("{:.{}f} ± {:.{}f}", value->mean, decimals, value->std, decimals);
 }
 
-measure::BarPlot plot_of(const Group& group, const LiveSet& set) {
+measure::BarPlot plot_of(std::string_view group, const LiveSet& set) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  measure::BarPlot plot{.title = std::string(group.name) + ": vertex error",
-                        .value_label = "PVE (mm)",
-                        .series = {},
-                        .groups = {}};
+  measure::BarPlot plot{
+      .title = fmt::format("{}: vertex error", group), .value_label = "PVE (mm)", .series = {}, .groups = {}};
   for (const LiveRow& row : set.rows) {
-    if (std::ranges::find(group.conditions, row.condition) == group.conditions.end()) continue;
+    if (names_of(row.condition).group != group) continue;
     measure::BarPlot::Group bars{row.title, {}, {}};
     plot.series.clear();
     for (const LiveMethod& method : row.methods) {
@@ -105,7 +76,7 @@ measure::Table live_table(const LiveSet& set) {
   measure::Table table;
   table.caption = set.who;
   table.columns.emplace_back("");
-  for (const LiveColumn& column : kColumns) table.columns.emplace_back(column.head);
+  for (const MeasureNames& measure : kMeasures) table.columns.emplace_back(measure.head);
   for (const LiveRow& row : set.rows) {
     table.strong_rows.push_back(table.rows.size());
     table.rows.push_back({fmt::format(
@@ -115,7 +86,7 @@ measure::Table live_table(const LiveSet& set) {
     for (const LiveMethod& method : row.methods) {
       std::vector<std::string>& cells = table.rows.emplace_back();
       cells.push_back(method.name);
-      for (const LiveColumn& column : kColumns) cells.push_back(figure(method, column));
+      for (std::size_t m = 0; m < kMeasureCount; ++m) cells.push_back(figure(method, m));
     }
   }
   return table;
@@ -127,8 +98,12 @@ measure::Report live_report(const LiveStudy& study, const std::string& subtitle)
     if (study.sets.size() > 1) report.heading(set.who);
     if (const std::vector<measure::KeyFigure> figures = key_figures(set); !figures.empty())
       report.key_figures(figures);
-    for (const Group& group : groups())
-      if (const measure::BarPlot plot = plot_of(group, set); !plot.groups.empty()) report.bars(plot);
+    std::string_view last;
+    for (const LiveConditionNames& condition : kLiveConditions) {
+      if (condition.group == last) continue;
+      last = condition.group;
+      if (const measure::BarPlot plot = plot_of(last, set); !plot.groups.empty()) report.bars(plot);
+    }
     report.table(live_table(set));
   }
   report.text(live_legend());

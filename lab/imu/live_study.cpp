@@ -40,29 +40,6 @@ constexpr double kBurstPercent = 10;
 /// A sensor that is there less often tells the bound nothing.
 constexpr double kMostlyThere = 0.5;
 
-constexpr std::array<std::string_view, kLiveConditionCount> kConditionNames = {
-    "lab",   "seen",     "unseen",     "remount", "walking",         "running",     "eating",
-    "rapid", "one_lost", "three_lost", "bursts",  "other_simulator", "long_session"};
-constexpr std::array<std::string_view, kLiveConditionCount> kConditionTitles = {"lab profile",
-                                                                                "seen placement",
-                                                                                "5 mm, 10° off",
-                                                                                "re-mounted",
-                                                                                "walking",
-                                                                                "running",
-                                                                                "eating",
-                                                                                "rapid motion",
-                                                                                "one sensor lost",
-                                                                                "three lost",
-                                                                                "10 % lost in bursts",
-                                                                                "another simulator",
-                                                                                "long session"};
-constexpr std::array<std::string_view, kMeasureCount> kMeasureNames = {
-    "pve_mm", "pve_face_mm", "lmk_mm", "mse", "mse_observed", "jitter_ratio", "blink_f1"};
-
-std::string title_of(LiveCondition condition) {
-  return std::string(kConditionTitles[static_cast<std::size_t>(condition)]);
-}
-
 /// Who performs, and what he would if nothing befell him.
 struct Actor {
   face::Face face;
@@ -180,7 +157,8 @@ virt::Wearing wearing_of(LiveCondition condition, const LiveRequest& request,
 /// The rows of a condition: all of the session, or the first and the last round of a long one.
 std::vector<Part> parts_of(LiveCondition condition, const LiveRequest& request, const Received& received,
                            double round_s) {
-  if (condition != LiveCondition::long_session) return {{title_of(condition), 0, received.truth.size()}};
+  if (condition != LiveCondition::long_session)
+    return {{std::string(names_of(condition).title), 0, received.truth.size()}};
   const auto runs = measure::evaluated_runs(received.truth);
   const auto first = runs.empty() ? received.truth.size() : runs.front().first;
   const auto frames = [](double seconds) {
@@ -188,7 +166,7 @@ std::vector<Part> parts_of(LiveCondition condition, const LiveRequest& request, 
   };
   const auto part = [&](std::string name, std::size_t begin) {
     begin = std::min(begin, received.truth.size());
-    return Part{title_of(condition) + name, begin,
+    return Part{std::string(names_of(condition).title) + name, begin,
                 std::min(begin + frames(round_s - 1), received.truth.size())};
   };
   return {part(fmt::format(", first {:g} s", request.round_s), first),
@@ -436,15 +414,14 @@ LiveSet pooled_methods(const Setting& setting, std::string who, const std::vecto
 
 }  // namespace
 
-std::string_view live_condition_name(LiveCondition condition) {
-  return kConditionNames[static_cast<std::size_t>(condition)];
-}
-
 Result<LiveCondition> parse_live_condition(std::string_view name) {
-  const auto found = std::ranges::find(kConditionNames, name);
-  if (found != kConditionNames.end()) return static_cast<LiveCondition>(found - kConditionNames.begin());
+  std::vector<std::string_view> known;
+  for (std::size_t c = 0; c < kLiveConditionCount; ++c) {
+    if (kLiveConditions[c].name == name) return static_cast<LiveCondition>(c);
+    known.push_back(kLiveConditions[c].name);
+  }
   return fail(ErrorCode::not_found, fmt::format("the study has no rows '{}'", name), {},
-              fmt::format("take some of: {}", fmt::join(kConditionNames, ", ")));
+              fmt::format("take some of: {}", fmt::join(known, ", ")));
 }
 
 std::vector<LiveCondition> live_conditions(const sensor::Rig& rig) {
@@ -456,10 +433,6 @@ std::vector<LiveCondition> live_conditions(const sensor::Rig& rig) {
     if (!silent || static_cast<double>(rig.face_sensors().size()) > loss->amount) out.push_back(condition);
   }
   return out;
-}
-
-std::string_view measure_name(Measure measure) {
-  return kMeasureNames[static_cast<std::size_t>(measure)];
 }
 
 std::optional<measure::MeanStd> LiveMethod::over(Measure measure) const {

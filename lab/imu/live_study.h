@@ -38,8 +38,29 @@ enum class LiveCondition : std::uint8_t {
 };
 inline constexpr std::size_t kLiveConditionCount = 13;
 
-/// "seen", "other_simulator", ...
-[[nodiscard]] std::string_view live_condition_name(LiveCondition condition);
+/// What conditions are called; those of one group follow each other and are drawn together.
+struct LiveConditionNames {
+  std::string_view name;  ///< "seen", "other_simulator", ...: as --rows and JSON have it.
+  std::string_view title, group;
+};
+/// By LiveCondition.
+inline constexpr std::array<LiveConditionNames, kLiveConditionCount> kLiveConditions = {
+    {{"lab", "lab profile", "Where the sensors are"},
+     {"seen", "seen placement", "Where the sensors are"},
+     {"unseen", "5 mm, 10° off", "Where the sensors are"},
+     {"remount", "re-mounted", "Where the sensors are"},
+     {"walking", "walking", "What the wearer does"},
+     {"running", "running", "What the wearer does"},
+     {"eating", "eating", "What the wearer does"},
+     {"rapid", "rapid motion", "What the wearer does"},
+     {"one_lost", "one sensor lost", "What is lost"},
+     {"three_lost", "three lost", "What is lost"},
+     {"bursts", "10 % lost in bursts", "What is lost"},
+     {"other_simulator", "another simulator", "Another simulator"},
+     {"long_session", "long session", "A long session"}}};
+[[nodiscard]] inline const LiveConditionNames& names_of(LiveCondition condition) {
+  return kLiveConditions[static_cast<std::size_t>(condition)];
+}
 /// Errors: not_found, with the names that there are.
 [[nodiscard]] Result<LiveCondition> parse_live_condition(std::string_view name);
 /// All that the rig has sensors enough for.
@@ -48,8 +69,19 @@ inline constexpr std::size_t kLiveConditionCount = 13;
 /// What is measured of an estimate (docs/reference/metrics.md).
 enum class Measure : std::uint8_t { pve, pve_face, landmarks, mse, mse_observed, jitter, blinks };
 inline constexpr std::size_t kMeasureCount = 7;
-/// "pve_mm", "mse_observed", ...: as `mien evaluate --json` has them.
-[[nodiscard]] std::string_view measure_name(Measure measure);
+struct MeasureNames {
+  std::string_view name;  ///< As `mien evaluate --json` has it.
+  std::string_view head;  ///< In tables.
+  int decimals;
+};
+/// By Measure.
+inline constexpr std::array<MeasureNames, kMeasureCount> kMeasures = {{{"pve_mm", "PVE, mm", 3},
+                                                                       {"pve_face_mm", "PVE face, mm", 3},
+                                                                       {"lmk_mm", "landmarks, mm", 3},
+                                                                       {"mse", "MSE", 4},
+                                                                       {"mse_observed", "MSE of 42", 4},
+                                                                       {"jitter_ratio", "jitter", 2},
+                                                                       {"blink_f1", "blink F1", 2}}};
 /// Of one estimate of one performance; nothing where the data or the method lack it.
 using Figures = std::array<std::optional<double>, kMeasureCount>;
 

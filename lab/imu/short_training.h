@@ -85,19 +85,11 @@ struct ShortTraining {
   std::function<Result<dataset::TrainingData>(const Progress& progress)> data;
 };
 
-/// What came of it.
-struct ShortTrained {
-  model::ModelFile model;
-  /// The loss curve as CSV, a row a validation: step, seconds, windows, learning_rate, training_loss,
-  /// validation_loss, validation_mse.
-  std::string curve;
-};
-
 /// Trains them, or finds them trained: one each, in their order. The same trainings give the same bits,
 /// however often it was stopped in between. Given by the program, whose helper knows libtorch. Errors: the
 /// data's and the trainer's; cancelled.
-using TrainShort = std::function<Result<std::vector<ShortTrained>>(std::span<const ShortTraining> trainings,
-                                                                   const Progress& progress)>;
+using TrainShort = std::function<Result<std::vector<model::ModelFile>>(
+    std::span<const ShortTraining> trainings, const Progress& progress)>;
 
 /// What a model's answers to one person are off, over all of the person's frames.
 struct PersonErrors {

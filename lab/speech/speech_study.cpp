@@ -15,8 +15,6 @@
 #include "mien/core/time.h"
 #include "mien/performer/lines.h"
 #include "mien/solve/region_tally.h"
-#include "mien/speech/articulator.h"
-#include "mien/speech/heard_track.h"
 #include "mien/speech/listener.h"
 #include "mien/speech/listeners.h"
 #include "mien/speech/sound_block.h"
@@ -74,8 +72,6 @@ std::vector<float> disturbed(std::span<const float> sound, std::size_t condition
 using SeeHeard = std::function<void(DeviceTime time, const std::optional<speech::Heard>& heard)>;
 /// Streams a sound through a listener, begun anew, as a session hears it: 60 frames a second, each asked for
 /// as soon as the block is there that reaches it.
-void hear_frames(speech::Listener& listener, std::span<const speech::Block> blocks, const SeeHeard& see);
-
 void hear_frames(speech::Listener& listener, std::span<const speech::Block> blocks, const SeeHeard& see) {
   listener.reset();
   speech::SpokenMouth mouth(listener.smoothing());
@@ -92,85 +88,19 @@ void hear_frames(speech::Listener& listener, std::span<const speech::Block> bloc
   }
 }
 
-/// What loudness alone tells, as puppets have it: the jaw opens with the level above a floor that follows the
-/// room's (up to 0.4 at 30 dB), lips are closed where the level falls 12 dB below what it was lately. A
-/// baseline.
-class LoudnessListener final : public speech::Listener {
- public:
-  speech::Heard push(DeviceTime time, const speech::Block& block) override;
-  void reset() override;
-
- private:
-  double floor_db_ = 0, peak_db_ = 0;
-  bool begun_ = false;
-};
-
-speech::Heard LoudnessListener::push(DeviceTime time, const speech::Block& block) {
-  // A block: how fast the floor rises and the peak falls, dB.
-  constexpr double kRise_db = 0.1, kFall_db = 1;
-  constexpr double kVoice_db = 10, kOpen_db = 30, kOpen = 0.4, kDip_db = 12;
-  const double level_db = 20 * std::log10(std::max(1e-4, double{speech::loudness_of(block).rms}));
-  if (!begun_) floor_db_ = peak_db_ = level_db;
-  begun_ = true;
-  floor_db_ = std::min(level_db, floor_db_ + kRise_db);
-  peak_db_ = std::max(level_db, peak_db_ - kFall_db);
-  speech::Heard heard{.time = time + speech::kBlockDuration / 2, .weights = {}};
-  heard.voice = level_db > floor_db_ + kVoice_db ? 1 : 0;
-  heard.weights[face::shape("jawOpen")] =
-      static_cast<float>(kOpen * std::clamp((level_db - floor_db_ - kVoice_db) / kOpen_db, 0.0, 1.0));
-  heard.closure = peak_db_ > floor_db_ + kVoice_db && level_db < peak_db_ - kDip_db ? 1 : 0;
-  speech::close_lips(heard.closure, heard.weights);
-  return heard;
-}
-
-void LoudnessListener::reset() {
-  begun_ = false;
-}
-
 using speech::Heard;
 using speech::Listener;
 
-constexpr std::array<std::string_view, 4> kMethods = {"loudness", "phones", "learned", "both"};
+constexpr std::array<std::string_view, 2> kSpeechMethods = {"phones", "learned"};
 constexpr float kMoves = 0.05F;
 
-/// The network's mouth with the phones' closures added, at the time the phones are known for.
-class BothListener final : public Listener {
- public:
-  BothListener(std::unique_ptr<Listener> phones, std::unique_ptr<Listener> learned)
-      : phones_(std::move(phones)), learned_(std::move(learned)) {}
-  Heard push(DeviceTime time, const speech::Block& block) override {
-    const Heard phones = phones_->push(time, block);
-    track_.push(learned_->push(time, block));
-    Heard heard = track_.at(phones.time).value_or(Heard{.time = phones.time, .weights = {}});
-    heard.time = phones.time;
-    heard.closure = std::max(heard.closure, phones.closure);
-    speech::close_lips(heard.closure, heard.weights);
-    return heard;
-  }
-  [[nodiscard]] double smoothing() const override { return learned_->smoothing(); }
-  void reset() override {
-    phones_->reset();
-    learned_->reset();
-    track_.clear();
-  }
-
- private:
-  std::unique_ptr<Listener> phones_, learned_;
-  speech::HeardTrack track_;
-};
-
-using Listeners = std::array<std::unique_ptr<Listener>, kMethods.size()>;
+using Listeners = std::array<std::unique_ptr<Listener>, kSpeechMethods.size()>;
 
 Result<Listeners> make_listeners(const speech::SpeechNetworkFile& file) {
-  MIEN_TRY_ASSIGN(auto one, speech::PhoneDecoder::create());
-  MIEN_TRY_ASSIGN(auto two, speech::PhoneDecoder::create());
+  MIEN_TRY_ASSIGN(auto decoder, speech::PhoneDecoder::create());
   MIEN_TRY_ASSIGN(auto network, speech::SpeechNetwork::create(file));
-  MIEN_TRY_ASSIGN(auto other, speech::SpeechNetwork::create(file));
-  return Listeners{
-      std::make_unique<LoudnessListener>(), std::make_unique<speech::PhoneListener>(std::move(one)),
-      std::make_unique<speech::LearnedListener>(std::move(network)),
-      std::make_unique<BothListener>(std::make_unique<speech::PhoneListener>(std::move(two)),
-                                     std::make_unique<speech::LearnedListener>(std::move(other)))};
+  return Listeners{std::make_unique<speech::PhoneListener>(std::move(decoder)),
+                   std::make_unique<speech::LearnedListener>(std::move(network))};
 }
 
 /// What a session's frames show of a sound, 60 a second; neutral while nobody speaks.
@@ -194,11 +124,11 @@ std::vector<synthetic::Closure> closures_shown(const Shown& shown) {
   return synthetic::stretches_above(shown.closure, kShown, 0, 1 / kFrameRateHz);
 }
 
-struct Tally {
+struct ClosureTally {
   synthetic::ClosureScore closures;
   std::vector<double> correlations, late_s;
 
-  void add(const Tally& other) {
+  void add(const ClosureTally& other) {
     closures.add(other.closures);
     correlations.insert(correlations.end(), other.correlations.begin(), other.correlations.end());
     late_s.insert(late_s.end(), other.late_s.begin(), other.late_s.end());
@@ -215,7 +145,7 @@ struct Tally {
   }
 };
 
-void score(const std::vector<synthetic::Closure>& truth, const Shown& shown, Tally& tally) {
+void score(const std::vector<synthetic::Closure>& truth, const Shown& shown, ClosureTally& tally) {
   const std::vector<synthetic::Closure> heard = closures_shown(shown);
   tally.closures.add(synthetic::score_closures(truth, heard));
   for (const synthetic::Closure& one : heard) {
@@ -228,7 +158,7 @@ void score(const std::vector<synthetic::Closure>& truth, const Shown& shown, Tal
   }
 }
 
-using MethodTallies = std::array<Tally, kMethods.size()>;
+using MethodTallies = std::array<ClosureTally, kSpeechMethods.size()>;
 /// Of one passage, a tally for each condition.
 using PassageTallies = std::array<MethodTallies, kSoundConditions.size()>;
 
@@ -237,7 +167,7 @@ PassageTallies listen_to(const synthetic::SpokenPassage& passage, const Random& 
   PassageTallies tallies;
   for (std::size_t c = 0; c < kSoundConditions.size(); ++c) {
     const std::vector<speech::Block> blocks = synthetic::blocks_of(disturbed(passage.sound, c, random));
-    for (std::size_t m = 0; m < kMethods.size(); ++m) {
+    for (std::size_t m = 0; m < kSpeechMethods.size(); ++m) {
       const Shown shown = show(*listeners[m], blocks);
       score(passage.closures, shown, tallies[c][m]);
       synthetic::Correlation jaw;
@@ -325,37 +255,27 @@ Result<SpeechStudy> study_speech(const SpeechRequest& request, const performer::
       }));
   SpeechStudy study;
   for (std::size_t c = 0; c < kSoundConditions.size(); ++c)
-    for (std::size_t m = 0; m < kMethods.size(); ++m) {
-      Tally all;
+    for (std::size_t m = 0; m < kSpeechMethods.size(); ++m) {
+      ClosureTally all;
       for (const PassageTallies& one : spoken) all.add(one[c][m]);
-      study.conditions.push_back(all.row(kMethods[m], std::string(kSoundConditions[c])));
+      study.conditions.push_back(all.row(kSpeechMethods[m], std::string(kSoundConditions[c])));
     }
   const auto languages = performer::reading_languages();
   for (std::size_t l = 0; l <= languages.size(); ++l)
-    for (std::size_t m = 0; m < kMethods.size(); ++m) {
+    for (std::size_t m = 0; m < kSpeechMethods.size(); ++m) {
       // Voices made of a person's recordings stand apart, last.
-      Tally all;
+      ClosureTally all;
       for (std::size_t i = 0; i < spoken.size(); ++i) {
         const synthetic::Voice& voice = voices[i / passages];
         const bool person = voice.name.contains(':');
         if (l == languages.size() ? person : !person && voice.language == l) all.add(spoken[i][0][m]);
       }
-      study.languages.push_back(all.row(
-          kMethods[m], l == languages.size() ? "en-us, a person's voice" : std::string(languages[l].voice)));
+      study.languages.push_back(all.row(kSpeechMethods[m], l == languages.size()
+                                                               ? "en-us, a person's voice"
+                                                               : std::string(languages[l].voice)));
     }
 
-  MIEN_TRY_ASSIGN(Listeners listeners, make_listeners(network));
-  for (const LabelledSound& recorded : request.recorded) {
-    MIEN_TRY_ASSIGN(const std::vector<float> sound, synthetic::resampled(recorded.sound));
-    const std::vector<speech::Block> blocks = synthetic::blocks_of(sound);
-    for (std::size_t m = 0; m < kMethods.size(); ++m) {
-      Tally tally;
-      score(recorded.closures, show(*listeners[m], blocks), tally);
-      study.recorded.push_back(tally.row(kMethods[m], recorded.name));
-    }
-  }
-
-  std::vector<std::array<double, kMethods.size()>> moving(synthetic::kOtherSoundNames.size());
+  std::vector<std::array<double, kSpeechMethods.size()>> moving(synthetic::kOtherSoundNames.size());
   MIEN_TRY(virt::for_each_performer(
       moving.size(), request.threads,
       [&](double part, std::string_view what) {
@@ -368,7 +288,7 @@ Result<SpeechStudy> study_speech(const SpeechRequest& request, const performer::
                                         static_cast<std::size_t>(request.other_seconds * speech::kRateHz),
                                         root.fork("study other", kind));
         const std::vector<speech::Block> blocks = synthetic::blocks_of(sound);
-        for (std::size_t m = 0; m < kMethods.size(); ++m) {
+        for (std::size_t m = 0; m < kSpeechMethods.size(); ++m) {
           const Shown shown = show(*own[m], blocks);
           const auto above = std::ranges::count_if(shown.most, [](float w) { return w > kMoves; });
           moving[kind][m] =
@@ -377,9 +297,9 @@ Result<SpeechStudy> study_speech(const SpeechRequest& request, const performer::
         return {};
       }));
   for (std::size_t kind = 0; kind < moving.size(); ++kind)
-    for (std::size_t m = 0; m < kMethods.size(); ++m)
+    for (std::size_t m = 0; m < kSpeechMethods.size(); ++m)
       study.others.push_back(
-          {std::string(kMethods[m]), std::string(synthetic::kOtherSoundNames[kind]), moving[kind][m]});
+          {std::string(kSpeechMethods[m]), std::string(synthetic::kOtherSoundNames[kind]), moving[kind][m]});
   return study;
 }
 

@@ -16,28 +16,19 @@
 
 namespace mien::lab {
 
-/// A recording whose closures of the lips are known.
-struct LabelledSound {
-  std::string name;
-  Sound sound;
-  std::vector<synthetic::Closure> closures;
-};
-
 struct SpeechRequest {
   int passages = 2;            ///< By each of voices_for(VoiceUse::test).
   double other_seconds = 600;  ///< Of each kind of sound that is no speech.
-  std::vector<LabelledSound> recorded;
   std::uint64_t seed = 1;
   unsigned threads = 0;  ///< 0: one a core.
 };
 
 /// What one way from sound to the mouth does with one kind of sound, frame by frame as a session shows it.
 struct SpeechRow {
-  std::string method;  ///< "loudness", "phones", "learned", "both".
-  std::string sound;   ///< A condition, a language or a recording.
+  std::string method;  ///< "phones", "learned".
+  std::string sound;   ///< A condition or a language.
   synthetic::ClosureScore closures;
-  /// Mean over passages of the correlation of jawOpen with the speaker's while something is said; 0 for
-  /// recordings, whose jaw nobody knows.
+  /// Mean over passages of the correlation of jawOpen with the speaker's while something is said.
   double jaw_correlation = 0;
   /// What closures are shown late by, the median of those that were found, seconds.
   double late_s = 0;
@@ -50,15 +41,15 @@ struct OtherRow {
 };
 
 struct SpeechStudy {
-  std::vector<SpeechRow> conditions, languages, recorded;
+  std::vector<SpeechRow> conditions, languages;
   std::vector<OtherRow> others;
 };
 
-/// Loudness alone, PocketSphinx's phones, the network, and the last two together, beside each other on the
-/// same sounds: virtual speakers whom nothing was trained or chosen on, clean, in noise, rooms and poor
-/// microphones (made as waves, not in bands as training does), in four languages; recordings; and sounds that
-/// are no speech. Sound is streamed block by block, and frames are asked for as soon as a session's would be.
-/// Errors: the speaker's; not_found (PocketSphinx's model); those of the network; cancelled.
+/// PocketSphinx's phones and the network beside each other on the same sounds: virtual speakers whom nothing
+/// was trained or chosen on, clean, in noise, rooms and poor microphones (made as waves, not in bands as
+/// training does), in four languages; and sounds that are no speech. Sound is streamed block by block, and
+/// frames are asked for as soon as a session's would be. Errors: the speaker's; not_found (PocketSphinx's
+/// model); those of the network; cancelled.
 [[nodiscard]] Result<SpeechStudy> study_speech(const SpeechRequest& request,
                                                const performer::Speaker& speaker,
                                                const speech::SpeechNetworkFile& network,

@@ -8,8 +8,8 @@
 
 namespace mien::tracker {
 
-/// How a causal network's answers are filtered. Chosen on virtual people whom no page reports, by
-/// `mien study settings jitter` (docs/experiments/settings.md).
+/// How a causal network's answers are filtered. Chosen on virtual people whom no page reports
+/// (docs/experiments/settings.md).
 struct JitterSettings {
   /// Hz, > 0: the One Euro filter's cutoff at rest, at the reference noise. Raising: less delay at rest, more
   /// jitter.
@@ -29,7 +29,6 @@ struct JitterSettings {
   /// Share by which the level follows each frame, 0 to 1 (0.024: 0.7 s). Raising: follows sooner, and takes
   /// movement for noise.
   float noise_gain = 0.024F;
-  bool operator==(const JitterSettings&) const = default;
 };
 
 /// Online estimate of how noisy a network's answers are: the mean absolute third difference, which movement

@@ -160,7 +160,7 @@ TEST_F(WrongInput, EveryMistakeNamesTheWayOut) {
        {{"perform", "--seed"}, "mien: perform: --seed has no value"},
        {{"perform", "--seed", "x"}, "mien: perform: --seed: x is no whole number from 0 on"},
        {{"perform", "--seed", "-1"}, "mien: perform: --seed: -1 is no whole number from 0 on"},
-       {{"study", "bound", "--seed", "-1"}, "mien: study bound: --seed: -1 is no whole number from 0 on"},
+       {{"study", "loss", "--seed", "-1"}, "mien: study loss: --seed: -1 is no whole number from 0 on"},
        {{"study", "live"}, "mien: study live: --out is missing"},
        {{"study"}, "mien: study: it needs one of its commands; they are ablation, confidence, hours, "},
        {{"bench", "foo"}, "mien: bench: there is no command 'foo'; the commands are live, "},

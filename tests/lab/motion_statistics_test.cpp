@@ -118,21 +118,46 @@ TEST(MotionStatistics, VirtualRangeOfMotionIsOfTheSameOrderAsARealOne) {
   EXPECT_GT(correlation_agreement(made, real), 0.2);
 }
 
-TEST(MotionStatistics, TableHasARowAShape) {
+TEST(MotionTables, HaveARowAShape) {
   const std::array columns = {motion_statistics({}, "nobody")};
-  const std::string table = comparison_markdown(columns);
-  for (const auto& name : face::kShapeNames) EXPECT_NE(table.find(std::string(name)), std::string::npos);
-  EXPECT_NE(table.find("nobody"), std::string::npos);
-  EXPECT_EQ(table.find("agreement"), std::string::npos);
+  const std::vector<measure::Table> tables = motion_tables(columns);
+  ASSERT_EQ(tables.size(), 2U);
+  EXPECT_EQ(tables[0].columns, (std::vector<std::string>{"", "nobody"}));
+  EXPECT_EQ(tables[0].rows.size(), kMotionSummaries.size());
+  ASSERT_EQ(tables[1].rows.size(), face::kShapeCount);
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) EXPECT_EQ(tables[1].rows[k][0], face::kShapeNames[k]);
 }
 
-TEST(MotionStatistics, TableSaysWithWhomTheOthersAgree) {
+TEST(MotionTables, SayWithWhomTheOthersAgree) {
   const std::array motions = {wave(30)};
-  const std::array columns = {motion_statistics(motions, "a|b"), motion_statistics({}, "nobody")};
-  const std::string table = comparison_markdown(columns, 1);
-  EXPECT_NE(table.find("| agreement of correlations with a\\|b | 1.00 | 0.00 |\n"), std::string::npos)
-      << table;
-  EXPECT_NE(table.find("| seconds | 40 | 0 |\n"), std::string::npos) << table;
+  const std::array columns = {motion_statistics(motions, "a"), motion_statistics({}, "nobody")};
+  const std::vector<std::vector<std::string>> rows = motion_tables(columns, 1)[0].rows;
+  EXPECT_EQ(rows.back(), (std::vector<std::string>{"agreement of correlations with a", "1.00", "0.00"}));
+  EXPECT_EQ(rows.front(), (std::vector<std::string>{"seconds", "40", "0"}));
+}
+
+VirtualMotionRequest brief(unsigned threads) {
+  return {.performers = 2, .seconds = 8, .seed = 3, .threads = threads};
+}
+
+TEST(VirtualMotion, IsTheSameOnAnyNumberOfThreads) {
+  const auto one = virtual_motion(brief(1), no_progress);
+  const auto two = virtual_motion(brief(2), no_progress);
+  ASSERT_TRUE(one) << one.error().message();
+  ASSERT_TRUE(two) << two.error().message();
+  ASSERT_EQ(one->size(), 5U);
+  EXPECT_EQ(one->front().name, "range_of_motion");
+  EXPECT_EQ(motion_tables(*one, one->size())[0].rows, motion_tables(*two, two->size())[0].rows);
+  for (const MotionStatistics& kind : *one) {
+    EXPECT_NEAR(kind.duration_s, 2 * 8, 0.2) << kind.name;
+    EXPECT_GT(kind.mean_deviation, 0) << kind.name;
+  }
+  EXPECT_GT(one->at(1).mean_deviation, one->at(3).mean_deviation) << "free is wider than reading";
+}
+
+TEST(VirtualMotion, NeedsSomebodyWhoMoves) {
+  EXPECT_EQ(virtual_motion({.performers = 0}, no_progress).error().code, ErrorCode::bad_usage);
+  EXPECT_EQ(virtual_motion({.seconds = 0.5}, no_progress).error().code, ErrorCode::bad_usage);
 }
 
 }  // namespace

@@ -63,7 +63,8 @@ TEST(Recipe, ACausalOneHasKeysOfItsOwn) {
   EXPECT_EQ(r->held_readings, 0.2);
   EXPECT_EQ(r->heading_drift, 0.5);
   EXPECT_NEAR(r->heading_drift_rad, 0.157, 1e-3);
-  EXPECT_TRUE(parse_recipe(*read_text(project_path("models/recipes/live.toml")), "live.toml"));
+  for (const char* name : {"live.toml", "placement.toml"})
+    EXPECT_TRUE(parse_recipe(*read_text(project_path(std::string("models/recipes/") + name)), name));
 }
 
 TEST(Recipe, AsksForTakesByATableOfTheirOwn) {

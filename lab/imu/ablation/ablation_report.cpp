@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "lab/imu/ablation/ablation_study.h"
-#include "lab/moments.h"
-#include "mien/builtin_face/builtin_face.h"
 
 namespace mien::lab {
 namespace {
@@ -82,23 +80,6 @@ measure::BarPlot changes_plot(const AblationStudy& study) {
   return plot;
 }
 
-std::vector<measure::LinePlot> curve_plots(const AblationStudy& study) {
-  std::vector<measure::LinePlot> plots;
-  for (const char* name : {"base", "third_of_people", "tenth_of_people"}) {
-    const AblationResult* row = find_row(study, name);
-    if (row == nullptr || row->curve.steps.empty()) continue;
-    measure::LinePlot plot;
-    plot.title = fmt::format("Training against held-out people: {}", row->row.title);
-    plot.x_label = "steps";
-    plot.y_label = "loss";
-    plot.lines.push_back({"validation, squared error", row->curve.steps, row->curve.validation_mse, true});
-    plot.lines.push_back(
-        {"training, the loss that is made small", row->curve.steps, row->curve.training_loss, true});
-    plots.push_back(std::move(plot));
-  }
-  return plots;
-}
-
 measure::Table ablation_table(const AblationStudy& study, TestSet set) {
   measure::Table table;
   table.caption = title_of(set);
@@ -148,7 +129,7 @@ measure::Table beside_the_paper(const AblationStudy& study) {
   return table;
 }
 
-std::string ablation_legend(const AblationStudy& study) {
+std::string ablation_legend(const AblationStudy& study, const std::string& takes) {
   return fmt::format(
       "Every network but the shipped ones was trained for as many steps, each of as many frames. Recurrent "
       "networks answer frame by frame, and but for one row changes from frame to frame are in their loss; "
@@ -157,11 +138,12 @@ std::string ablation_legend(const AblationStudy& study) {
       "shipped models over people, of recordings over seeds. The change is against the first row, of the "
       "same people in the same performances and the same seeds. Fewer sensors are worn anew: where each "
       "sits, the skin below it and its device's faults are drawn again, which widens their intervals. "
-      "Virtual performers: {} people, {:.0f} minutes. Takes: {}. People unlike those of the training move as "
-      "half of these stand-ins do, and have skin as their face's mesh has it. PVE is the mean distance of "
-      "all vertices between the captured face and the true one; MSE is of the 53 weights; jitter is the "
-      "third difference of the landmarks over the truth's.",
-      study.training_people, study.training_minutes, study.takes_are);
+      "Virtual performers: {} people, {:.0f} minutes.{} People unlike those of the training move otherwise, "
+      "and "
+      "have skin as their face's mesh has it. PVE is the mean distance of all vertices between the captured "
+      "face and the true one; MSE is of the 53 weights; jitter is the third difference of the landmarks over "
+      "the truth's.",
+      study.training_people, study.training_minutes, takes.empty() ? "" : fmt::format(" Takes: {}.", takes));
 }
 
 }  // namespace
@@ -178,7 +160,8 @@ std::optional<Interval> change_of(const AblationStudy& study, const AblationResu
   return change_interval(figures, base);
 }
 
-Result<measure::Report> ablation_report(const AblationStudy& study, const std::string& subtitle) {
+measure::Report ablation_report(const AblationStudy& study, const std::string& takes,
+                                const std::string& subtitle) {
   measure::Report report("What fewer sensors, less data and other networks cost", subtitle);
   std::vector<measure::KeyFigure> keys;
   const auto key = [&](const char* name, const char* title) {
@@ -200,33 +183,12 @@ Result<measure::Report> ablation_report(const AblationStudy& study, const std::s
     report.text(
         "CAPUS (AAAI 2025) trained and tried on recordings of its own, which nobody else has; its changes "
         "are shown, since its millimetres are of another face and unit. The linear bound is what one frame "
-        "of orientations can tell at best, every shape independent of the others (mien study bound).");
+        "of orientations can tell at best, every shape independent of the others (mien study placement).");
   }
   report.bars(changes_plot(study));
   for (const TestSet set : kShownSets)
     if (const measure::Table table = ablation_table(study, set); !table.rows.empty()) report.table(table);
-  report.text(ablation_legend(study));
-  if (!study.moments.captions.empty()) {
-    report.heading("Worst moments");
-    constexpr int kCellPx = 150;
-    MIEN_TRY_ASSIGN(const render::Image strip, moments_strip(builtin_face::make_builtin(), study.moments.rows,
-                                                             study.moments.captions, kCellPx));
-    MIEN_TRY_ASSIGN(const std::vector<std::byte> png, render::encode_png(strip));
-    report.image(png,
-                 fmt::format("Where the networks of \"{}\" were furthest from one test person's face, beside "
-                             "the truth and the base; how far both were off, in mm of PVE.",
-                             study.rows[1].row.title));
-  }
-  const std::vector<measure::LinePlot> curves = curve_plots(study);
-  if (!curves.empty()) {
-    report.heading("Is anything learnt by heart?");
-    report.text(
-        "Training's loss is of augmented windows, with sensors missing now and then, and of changes from "
-        "frame to frame as well, so the two curves are no pair of the same measure: what tells is whether "
-        "the held-out one turns upwards. The table of people who were trained on, above, is the same measure "
-        "as that of the lab profile.");
-    for (const measure::LinePlot& plot : curves) report.plot(plot);
-  }
+  report.text(ablation_legend(study, takes));
   return report;
 }
 

@@ -7,17 +7,14 @@
 #include <filesystem>
 #include <functional>
 #include <numeric>
-#include <sstream>
 #include <string_view>
 #include <utility>
 
-#include "lab/imu/ablation/takes_stand_in.h"
 #include "lab/imu/sensor_bound.h"
 #include "lab/imu/short_training.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/core/files.h"
 #include "mien/core/nearest_word.h"
-#include "mien/core/time.h"
 #include "mien/core/units.h"
 #include "mien/dataset/training_takes.h"
 #include "mien/sensor/rig_part.h"
@@ -178,19 +175,9 @@ class AblationData {
     return out;
   }
 
-  /// Whose takes they are, for people.
-  [[nodiscard]] std::string takes_are() const {
-    if (!request_.takes.empty()) return request_.takes.string();
-    return fmt::format("{} virtual people for {:g} s each, labelled by virtual phones", request_.stand_ins,
-                       request_.stand_in_seconds);
-  }
-
  private:
+  /// Whoever records more, or anew, has other data.
   [[nodiscard]] std::string takes_key() const {
-    if (request_.takes.empty())
-      return fmt::format("{} for {} s, seed {}", request_.stand_ins, request_.stand_in_seconds,
-                         request_.seed);
-    // Whoever records more, or anew, has other data.
     std::string out = request_.takes.string();
     if (const auto splits = read_text(request_.splits)) out += "\n" + *splits;
     std::error_code code;
@@ -218,22 +205,12 @@ class AblationData {
 
   Result<const dataset::TrainingData*> takes(const Progress& progress) {
     if (takes_) return &*takes_;
-    if (request_.takes.empty()) {
-      MIEN_TRY_ASSIGN(StandIn people, stand_in_takes({.people = request_.stand_ins,
-                                                      .seconds = request_.stand_in_seconds,
-                                                      .rig = request_.rig,
-                                                      .seed = request_.seed},
-                                                     progress));
-      takes_ = std::move(people.data);
-      for (const std::string& sentence : people.left_out) request_.tell(sentence);
-    } else {
-      MIEN_TRY_ASSIGN(dataset::TakesData people, dataset::read_training_takes(request_.takes, request_.splits,
-                                                                              rig_, request_.seed, progress));
-      for (dataset::Dataset* set : {&people.data.train, &people.data.validation})
-        for (dataset::Sequence& sequence : set->sequences) sequence.from_take = true;
-      takes_ = std::move(people.data);
-      for (const std::string& sentence : people.left_out) request_.tell(sentence);
-    }
+    MIEN_TRY_ASSIGN(dataset::TakesData people, dataset::read_training_takes(request_.takes, request_.splits,
+                                                                            rig_, request_.seed, progress));
+    for (dataset::Dataset* set : {&people.data.train, &people.data.validation})
+      for (dataset::Sequence& sequence : set->sequences) sequence.from_take = true;
+    takes_ = std::move(people.data);
+    for (const std::string& sentence : people.left_out) request_.tell(sentence);
     return &*takes_;
   }
 
@@ -253,23 +230,6 @@ std::vector<synthetic::ImuPerson> learnt_by(const AblationRow& row, std::size_t 
   return out;
 }
 
-/// Rows of the CSV that the trainer writes; a row that is none is passed over.
-LossCurve curve_of(const std::string& csv) {
-  LossCurve out;
-  std::istringstream lines(csv);
-  std::string line;
-  while (std::getline(lines, line)) {
-    std::ranges::replace(line, ',', ' ');
-    std::istringstream cells(line);
-    double step = 0, seconds = 0, windows = 0, rate = 0, training = 0, validation = 0, mse = 0;
-    if (!(cells >> step >> seconds >> windows >> rate >> training >> validation >> mse)) continue;
-    out.steps.push_back(step);
-    out.training_loss.push_back(training);
-    out.validation_mse.push_back(mse);
-  }
-  return out;
-}
-
 class AblationWork {
  public:
   AblationWork(const AblationRequest& request, const sensor::Rig& rig, std::string rig_text,
@@ -282,22 +242,17 @@ class AblationWork {
         meter_(face_) {}
 
   Result<AblationStudy> run(std::vector<AblationRow> rows, const TrainShort& train) {
-    MIEN_TRY_ASSIGN(const std::vector<ShortTrained> trained, train_rows(rows, train));
+    MIEN_TRY_ASSIGN(const std::vector<model::ModelFile> trained, train_rows(rows, train));
     AblationStudy out;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       std::vector<const model::ModelFile*> models;
-      for (std::size_t s = 0; s < request_.seeds; ++s) models.push_back(&trained[first_of_[r] + s].model);
+      for (std::size_t s = 0; s < request_.seeds; ++s) models.push_back(&trained[first_of_[r] + s]);
       const double all = static_cast<double>(rows.size() + request_.shipped.size());
       const auto done = [&](double row) { return kTrainedShare + (1 - kTrainedShare) * row / all; };
       const auto row = static_cast<double>(r);
-      MIEN_TRY_ASSIGN(AblationResult result, tried(std::move(rows[r]), models,
-                                                   solve::part_of_work(progress_, done(row), done(row + 1))));
-      result.curve = curve_of(trained[first_of_[r]].curve);
-      out.rows.push_back(std::move(result));
-    }
-    if (out.rows.size() > 1) {
-      MIEN_TRY_ASSIGN(out.moments,
-                      moments(trained[first_of_[0]].model, trained[first_of_[1]].model, out.rows[1].row));
+      MIEN_TRY_ASSIGN(
+          out.rows.emplace_back(),
+          tried(std::move(rows[r]), models, solve::part_of_work(progress_, done(row), done(row + 1))));
     }
     for (const ShippedModel& shipped : request_.shipped) {
       AblationRow row{.name = shipped.name,
@@ -307,7 +262,6 @@ class AblationWork {
       MIEN_TRY_ASSIGN(out.shipped.emplace_back(),
                       tried(std::move(row), {&shipped.file}, solve::part_of_work(progress_, 0.99, 1)));
     }
-    out.takes_are = data_.takes_are();
     out.training_people = static_cast<std::size_t>(request_.data.performers);
     const double device_s = request_.data.device_seconds * (1 + 1.5 * request_.data.device_long_share);
     out.training_minutes =
@@ -323,8 +277,8 @@ class AblationWork {
            a.network == b.network && a.window == b.window && a.difference_weight == b.difference_weight;
   }
 
-  Result<std::vector<ShortTrained>> train_rows(const std::vector<AblationRow>& rows,
-                                               const TrainShort& train) {
+  Result<std::vector<model::ModelFile>> train_rows(const std::vector<AblationRow>& rows,
+                                                   const TrainShort& train) {
     std::vector<ShortTraining> trainings;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       std::size_t alike = 0;
@@ -398,35 +352,6 @@ class AblationWork {
     return {};
   }
 
-  Result<AblationMoments> moments(const model::ModelFile& base, const model::ModelFile& other,
-                                  const AblationRow& row) {
-    MIEN_TRY_ASSIGN(const Tested* all, tests_of(rig_.face_sensor_names(), no_progress));
-    MIEN_TRY_ASSIGN(const Tested* few, tests_of(row.sensors, no_progress));
-    const auto device = static_cast<std::size_t>(TestSet::device);
-    const synthetic::ImuPerson &person = all->sets[device].front(), &same = few->sets[device].front();
-    MIEN_TRY_ASSIGN(const std::vector<face::BlendshapeWeights> of_base,
-                    synthetic::answers_of(base, all->sensors, person.features));
-    MIEN_TRY_ASSIGN(const std::vector<face::BlendshapeWeights> of_other,
-                    synthetic::answers_of(other, few->sensors, same.features, row.join));
-    // The same performance, but sensors that are worn otherwise may begin a frame apart.
-    const std::size_t frames = std::min(of_base.size(), of_other.size());
-    const auto curve = [&](const synthetic::ImuPerson& who, std::span<const face::BlendshapeWeights> answer) {
-      const measure::Stretch stretch{std::span(who.truth).first(frames), answer.first(frames)};
-      return meter_.measure({&stretch, 1}).pve_mm_curve;
-    };
-    const std::vector<float> base_mm = curve(person, of_base), other_mm = curve(same, of_other);
-    AblationMoments out{{{"truth", {}}, {"base", {}}, {row.title, {}}}, {}};
-    constexpr std::size_t kMoments = 5, kApart = 90;  // Frames.
-    for (const std::size_t f : worst_moments(other_mm, kMoments, kApart)) {
-      out.rows[0].weights.emplace_back(same.truth[f]);
-      out.rows[1].weights.emplace_back(of_base[f]);
-      out.rows[2].weights.emplace_back(of_other[f]);
-      out.captions.push_back(fmt::format("{:.1f} s: {:.1f}, {:.1f} mm", static_cast<double>(f) / kFrameRateHz,
-                                         base_mm[f], other_mm[f]));
-    }
-    return out;
-  }
-
   Result<void> bound(const AblationRow& row, AblationResult& out) const {
     MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> all, virt::skin_sites(face_, rig_));
     std::vector<virt::SkinSite> sites;
@@ -451,7 +376,7 @@ class AblationWork {
 
 }  // namespace
 
-std::vector<AblationRow> ablation_rows(const sensor::Rig& rig, bool stand_ins) {
+std::vector<AblationRow> ablation_rows(const sensor::Rig& rig, bool takes) {
   RowTable table(rig);
   table.add({.name = std::string(kAblationBase),
              .group = "sensors",
@@ -467,14 +392,16 @@ std::vector<AblationRow> ablation_rows(const sensor::Rig& rig, bool stand_ins) {
 
   table.add({.name = "third_of_people", .group = "data", .title = "a third of the people", .one_in = 3});
   table.add({.name = "tenth_of_people", .group = "data", .title = "a tenth of the people", .one_in = 10});
-  table.add({.name = "takes_alone",
-             .group = "data",
-             .title = stand_ins ? "stand-ins for takes alone" : "people's takes alone",
-             .learns_from = LearnsFrom::takes});
-  table.add({.name = "takes_too",
-             .group = "data",
-             .title = stand_ins ? "performers and stand-ins for takes" : "performers and people's takes",
-             .learns_from = LearnsFrom::both});
+  if (takes) {
+    table.add({.name = "takes_alone",
+               .group = "data",
+               .title = "people's takes alone",
+               .learns_from = LearnsFrom::takes});
+    table.add({.name = "takes_too",
+               .group = "data",
+               .title = "performers and people's takes",
+               .learns_from = LearnsFrom::both});
+  }
 
   table.add({.name = "no_difference",
              .group = "networks",
@@ -503,9 +430,9 @@ std::vector<AblationRow> ablation_rows(const sensor::Rig& rig, bool stand_ins) {
   return std::move(table).rows();
 }
 
-Result<std::vector<AblationRow>> chosen_rows(const sensor::Rig& rig, bool stand_ins,
+Result<std::vector<AblationRow>> chosen_rows(const sensor::Rig& rig, bool takes,
                                              std::span<const std::string> names) {
-  std::vector<AblationRow> all = ablation_rows(rig, stand_ins);
+  std::vector<AblationRow> all = ablation_rows(rig, takes);
   if (names.empty()) return all;
   std::vector<std::string> known;
   for (const AblationRow& row : all) known.push_back(row.name);
@@ -540,7 +467,7 @@ Result<AblationStudy> study_ablation(const AblationRequest& request, const Train
   if (sensor::kinds_of(rig) != std::vector<std::string>{"imu"} || rig.face_sensors().empty())
     return fail(ErrorCode::mismatch, "the rig has no IMUs on the face, or other sensors beside them",
                 request.rig.string(), "use one such as rigs/default.toml");
-  MIEN_TRY_ASSIGN(std::vector<AblationRow> rows, chosen_rows(rig, request.takes.empty(), request.rows));
+  MIEN_TRY_ASSIGN(std::vector<AblationRow> rows, chosen_rows(rig, !request.takes.empty(), request.rows));
   return AblationWork(request, rig, std::move(rig_text), progress).run(std::move(rows), train);
 }
 

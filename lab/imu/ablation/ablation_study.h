@@ -13,7 +13,6 @@
 
 #include "lab/imu/short_training.h"
 #include "lab/interval.h"
-#include "lab/moments.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/face/face.h"
@@ -50,15 +49,15 @@ struct AblationRow {
 /// The row that all others are compared with.
 inline constexpr std::string_view kAblationBase = "base";
 
-/// All rows that a rig has sensors enough for, the base first. `stand_ins`: no takes of people are at hand,
-/// so titles say that virtual ones stand in. Of the default rig: the paper's five sensors (two at the
-/// eyebrows, one at the jaw, two at the cheeks), each region of muscles left out, one side; a third and a
-/// tenth of the people; takes alone and with virtual performers; other networks; other windows.
-[[nodiscard]] std::vector<AblationRow> ablation_rows(const sensor::Rig& rig, bool stand_ins);
+/// All rows that a rig has sensors enough for, the base first. Of the default rig: the paper's five sensors
+/// (two at the eyebrows, one at the jaw, two at the cheeks), each region of muscles left out, one side; a
+/// third and a tenth of the people; `takes`: people's takes alone and with virtual performers; other
+/// networks; other windows.
+[[nodiscard]] std::vector<AblationRow> ablation_rows(const sensor::Rig& rig, bool takes);
 
 /// The base and those of these names, in the table's order; all where no name is given. Errors: not_found,
 /// with the nearest name.
-[[nodiscard]] Result<std::vector<AblationRow>> chosen_rows(const sensor::Rig& rig, bool stand_ins,
+[[nodiscard]] Result<std::vector<AblationRow>> chosen_rows(const sensor::Rig& rig, bool takes,
                                                            std::span<const std::string> names);
 
 /// A model that was trained before, by its own budget, for the same table.
@@ -81,9 +80,6 @@ struct AblationRequest {
   synthetic::DataRecipe data = short_data(1);  ///< Whom they learn from.
   std::size_t test_people = 16;                ///< Of each kind of virtual people, 1 or more.
   double test_seconds = 30;                    ///< Of each of them in each profile, s.
-  /// Stand-ins for people's takes, where `takes` is empty.
-  std::size_t stand_ins = 20;
-  double stand_in_seconds = 120;
   std::filesystem::path takes;   ///< A folder of people's takes (read_training_takes), or empty.
   std::filesystem::path splits;  ///< Who of them is trained and who validated on, or empty.
   std::vector<ShippedModel> shipped;
@@ -113,15 +109,9 @@ inline constexpr std::size_t kTestSetCount = 5;
 /// "device", "lab", ...
 [[nodiscard]] std::string_view ablation_test_name(TestSet set);
 
-/// Validation against training, of a row's first seed.
-struct LossCurve {
-  std::vector<double> steps, training_loss, validation_mse;
-};
-
 struct AblationResult {
   AblationRow row;
   std::array<SeedErrors, kTestSetCount> errors;  ///< By TestSet; empty where it was not tried.
-  LossCurve curve;                               ///< Empty of a shipped model.
   std::size_t parameters = 0;
   /// What the row's sensors tell by the linear bound (sensor_bound: prior 0.10, noise 2 degrees).
   double bound_mse = 0, bound_pve_mm = 0;
@@ -129,21 +119,11 @@ struct AblationResult {
   [[nodiscard]] const SeedErrors& on(TestSet set) const { return errors[static_cast<std::size_t>(set)]; }
 };
 
-/// Where one row was furthest from the truth, beside what the base answered then: of the first person of the
-/// test set `device`, by the networks of the first seed.
-struct AblationMoments {
-  std::vector<MomentRow> rows;        ///< Truth, base, the row.
-  std::vector<std::string> captions;  ///< When it was, and how far both were off.
-};
-
 struct AblationStudy {
   std::vector<AblationResult> rows;     ///< The base first.
   std::vector<AblationResult> shipped;  ///< Models that were trained before.
-  AblationMoments moments;              ///< Of the first row after the base; empty where it is alone.
-  /// What the rows of takes learnt from, for people: stand-ins or whose.
-  std::string takes_are;
-  std::size_t training_people = 0;  ///< Virtual performers of the base.
-  double training_minutes = 0;      ///< Of theirs.
+  std::size_t training_people = 0;      ///< Virtual performers of the base.
+  double training_minutes = 0;          ///< Of theirs.
 };
 
 /// One figure of a row, as intervals are of it. Recorded performances are few and nobody drew them: their
@@ -162,8 +142,8 @@ struct AblationStudy {
                                                 TestSet set,
                                                 SeedFigures SeedErrors::*measure = &SeedErrors::pve_mm);
 
-/// The whole study as people read it. Errors: moments_strip's.
-[[nodiscard]] Result<measure::Report> ablation_report(const AblationStudy& study,
-                                                      const std::string& subtitle);
+/// The whole study as people read it. `takes`: whose the rows of takes learnt from; empty: nobody's.
+[[nodiscard]] measure::Report ablation_report(const AblationStudy& study, const std::string& takes,
+                                              const std::string& subtitle);
 
 }  // namespace mien::lab

@@ -6,7 +6,6 @@
 
 #include "lab/imu/placement/placement_bound.h"
 #include "lab/imu/placement/placement_study.h"
-#include "lab/spread_on_skin.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/render/camera.h"
 #include "mien/render/error_colours.h"
@@ -22,10 +21,31 @@ constexpr render::Rgb kPlacementInk = {40, 42, 48};
 constexpr render::Rgb kDotFill = {255, 255, 255};
 constexpr float kPlacementCloseness = 1.3F;
 constexpr float kLookLowerM = 0.024F;  // From the chin to the hairline; hair tells nothing.
-constexpr int kPanelsInRow = 4;
-/// Of shape groups, for the colour-blind too (Okabe and Ito 2008).
-constexpr std::array<render::Rgb, kShapeGroups.size()> kGroupColours = {
-    {{0, 114, 178}, {0, 158, 115}, {230, 159, 0}, {204, 60, 40}, {150, 80, 160}}};
+
+/// Values of points on the skin, `spacing_m` apart, as values of the neutral face's vertices: the points' by
+/// the fourth power of how near they are; skin farther than two spacings from every point keeps 0. Shape:
+/// `values` beside `points_m`, at least one; the result beside the vertices.
+std::vector<float> spread_on_skin(const face::Face& face, const std::vector<Vec3>& points_m,
+                                  std::span<const double> values, double spacing_m) {
+  const double reach_m = 2 * spacing_m;
+  const double sharp_m = 0.4 * spacing_m;  // Nearer than this a point is all that counts.
+  std::vector<float> out;
+  out.reserve(face.neutral_m.size());
+  for (const Vec3f& vertex : face.neutral_m) {
+    double sum = 0, weights = 0, nearest_m = reach_m;
+    for (std::size_t i = 0; i < points_m.size(); ++i) {
+      const double square = (vertex.cast<double>() - points_m[i]).squaredNorm();
+      const double near = square + sharp_m * sharp_m;
+      const double weight = 1 / (near * near);
+      sum += weight * values[i];
+      weights += weight;
+      nearest_m = std::min(nearest_m, std::sqrt(square));
+    }
+    const double fade = std::clamp((reach_m - nearest_m) / spacing_m, 0.0, 1.0);
+    out.push_back(static_cast<float>(fade * sum / weights));
+  }
+  return out;
+}
 
 /// Where on the picture a point is, pixels.
 Eigen::Vector2f project(const render::Camera& camera, const Vec3f& p_m) {
@@ -55,18 +75,6 @@ void draw_disc(render::Image& picture, const Eigen::Vector2f& centre, float radi
                                           0.5F);
       }
     }
-}
-
-/// Squares of colour with words along the bottom.
-void draw_group_legend(render::Image& picture, const render::Lettering& lettering) {
-  const float size = 0.026F * static_cast<float>(picture.height);
-  const float baseline = static_cast<float>(picture.height) - 0.8F * size;
-  float x = size;
-  for (std::size_t g = 0; g < kShapeGroups.size(); ++g) {
-    draw_disc(picture, {x + 0.4F * size, baseline - 0.35F * size}, 0.45F * size, kGroupColours[g]);
-    lettering.draw(picture, kShapeGroups[g], x + 1.2F * size, baseline, size, kPlacementInk);
-    x += 2.4F * size + lettering.width(kShapeGroups[g], size);
-  }
 }
 
 /// The ramp of colours with shares below it.
@@ -100,26 +108,24 @@ class PlacementView {
     renderer_.light(face.neutral_m, camera_, render::Look::light());
   }
 
-  [[nodiscard]] render::Image plain() { return renderer_.draw(); }
-
   [[nodiscard]] render::Image field(const std::vector<float>& told, double full_scale) {
     const render::ErrorColours colours{told, static_cast<float>(full_scale)};
     return renderer_.draw(&colours);
   }
 
   void draw_dots(render::Image& picture, const render::Lettering& lettering,
-                 const std::vector<PlacementDot>& dots) const {
+                 const std::vector<Vec3>& places_m) const {
     const float radius = std::max(4.5F, 0.017F * static_cast<float>(camera_.height));
-    for (const PlacementDot& dot : dots) {
-      const Vec3f p = dot.position_m.cast<float>();
+    for (std::size_t i = 0; i < places_m.size(); ++i) {
+      const Vec3f p = places_m[i].cast<float>();
       const Vec3f to_eye = (camera_.position_m - p).normalized();
       if (rays_.blocked(p + 0.004F * to_eye, to_eye, 0, 1)) continue;  // Behind the nose, or the head.
       const Eigen::Vector2f at = project(camera_, p);
       draw_disc(picture, at, radius, kPlacementInk);
       draw_disc(picture, at, 0.84F * radius, kDotFill);
       const float size = 1.15F * radius;
-      lettering.draw(picture, fmt::format("{}", dot.number), at.x(), at.y() + 0.36F * size, size,
-                     kPlacementInk, render::Align::centre);
+      lettering.draw(picture, fmt::format("{}", i + 1), at.x(), at.y() + 0.36F * size, size, kPlacementInk,
+                     render::Align::centre);
     }
   }
 
@@ -129,96 +135,28 @@ class PlacementView {
   render::RayScene rays_;
 };
 
-/// The face painted in the colours of groups.
-face::Face painted_by_groups(const face::Face& face, const std::vector<Vec3>& places_m,
-                             const PlacementGroups& groups, const SkinSpread& spread) {
-  face::Face painted = face;
-  const Vec3f pale = render::error_colour(0);
-  // How much of each group is around a vertex; what is most there gives the colour, its share the strength.
-  std::array<std::vector<float>, kShapeGroups.size()> share;
-  for (std::size_t g = 0; g < share.size(); ++g) {
-    std::vector<double> of_group;
-    for (std::size_t i = 0; i < places_m.size(); ++i)
-      of_group.push_back(groups.group[i] == g ? groups.strength[i] : 0);
-    share[g] = spread_on_skin(face, places_m, of_group, spread);
-  }
-  for (std::size_t v = 0; v < painted.colour.size(); ++v) {
-    std::size_t most = 0;
-    for (std::size_t g = 1; g < share.size(); ++g)
-      if (share[g][v] > share[most][v]) most = g;
-    painted.colour[v] =
-        render::mix(pale, render::from_srgb(kGroupColours[most]), std::clamp(share[most][v], 0.0F, 1.0F));
-  }
-  // Skin scatters red light and would tint what is painted on it.
-  for (face::Part& part : painted.parts)
-    if (part.material == face::Material::skin || part.material == face::Material::lips)
-      part.material = face::Material::other;
-  return painted;
-}
-
-double most_told(const PlacementField& field) {
-  return std::max(1e-6, *std::ranges::max_element(field.told));
-}
-
 }  // namespace
 
-render::Image PlacementPictures::together() const {
-  render::Image all(std::max({alone.width, groups.width, sets.width}),
-                    alone.height + groups.height + sets.height, {255, 255, 255});
-  render::paste(all, alone, 0, 0);
-  render::paste(all, groups, 0, alone.height);
-  render::paste(all, sets, 0, alone.height + groups.height);
-  return all;
-}
-
-Result<PlacementPictures> placement_pictures(const std::vector<Vec3>& places_m,
-                                             const std::vector<PlacementField>& fields,
-                                             const PlacementGroups& groups,
-                                             const PlacementPictureRequest& request) {
+Result<render::Image> placement_picture(const std::vector<Vec3>& places_m, std::span<const double> told,
+                                        const std::vector<Vec3>& chosen_m, double spacing_m, int height_px) {
   const face::Face face = builtin_face::make_builtin();
   MIEN_TRY_ASSIGN(const auto lettering, render::Lettering::load());
-  const SkinSpread spread{
-      .reach_m = 2 * request.spacing_m, .fade_m = request.spacing_m, .sharp_m = 0.4 * request.spacing_m};
-  const int height = request.height_px;
-  const float size = 0.035F * static_cast<float>(height);
-  const std::array<float, 2> views = {render::kFrontView_rad, render::kThreeQuarterView_rad};
-  PlacementPictures pictures;
-  pictures.alone = render::Image(2 * height, height);
-  pictures.groups = render::Image(2 * height, height);
-  const PlacementField& first = fields.front();
-  const std::vector<float> told = spread_on_skin(face, places_m, first.told, spread);
-  const face::Face painted = painted_by_groups(face, places_m, groups, spread);
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const int left = static_cast<int>(v) * height;
-    PlacementView view(face, views[v], height);
-    render::Image one = view.field(told, most_told(first));
-    view.draw_dots(one, lettering, first.dots);
-    draw_share_legend(one, lettering, most_told(first));
-    lettering.draw(one, v == 0 ? first.title : "", 0.6F * size, 1.4F * size, size, kPlacementInk);
-    render::paste(pictures.alone, one, left, 0);
-    PlacementView of_groups(painted, views[v], height);
-    one = of_groups.plain();
-    of_groups.draw_dots(one, lettering, first.dots);
-    draw_group_legend(one, lettering);
-    lettering.draw(one, v == 0 ? "What a sensor there tells most of" : "", 0.6F * size, 1.4F * size, size,
-                   kPlacementInk);
-    render::paste(pictures.groups, one, left, 0);
+  const std::vector<float> on_skin = spread_on_skin(face, places_m, told, spacing_m);
+  const double most = std::max(1e-6, *std::ranges::max_element(told));
+  const float size = 0.035F * static_cast<float>(height_px);
+  render::Image picture(2 * height_px, height_px);
+  int left = 0;
+  for (const float view_rad : {render::kFrontView_rad, render::kThreeQuarterView_rad}) {
+    PlacementView view(face, view_rad, height_px);
+    render::Image one = view.field(on_skin, most);
+    view.draw_dots(one, lettering, chosen_m);
+    draw_share_legend(one, lettering, most);
+    if (left == 0)
+      lettering.draw(one, "What one sensor there tells", 0.6F * size, 1.4F * size, size, kPlacementInk);
+    render::paste(picture, one, left, 0);
+    left += height_px;
   }
-
-  const int panel = 2 * height / kPanelsInRow;
-  const int rows = (static_cast<int>(fields.size()) - 1 + kPanelsInRow - 1) / kPanelsInRow;
-  pictures.sets = render::Image(2 * height, rows * panel, {255, 255, 255});
-  PlacementView small(face, render::kFrontView_rad, panel);
-  for (std::size_t i = 1; i < fields.size(); ++i) {
-    render::Image one =
-        small.field(spread_on_skin(face, places_m, fields[i].told, spread), most_told(fields[i]));
-    small.draw_dots(one, lettering, fields[i].dots);
-    const float text = 0.05F * static_cast<float>(panel);
-    lettering.draw(one, fields[i].title, 0.5F * text, 1.3F * text, text, kPlacementInk);
-    const int at = static_cast<int>(i) - 1;
-    render::paste(pictures.sets, one, at % kPanelsInRow * panel, at / kPanelsInRow * panel);
-  }
-  return pictures;
+  return picture;
 }
 
 }  // namespace mien::lab

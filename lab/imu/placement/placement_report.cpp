@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <numeric>
 #include <string_view>
 #include <utility>
 
@@ -13,25 +14,6 @@ namespace {
 
 std::string told_percent(double share) {
   return fmt::format("{:.1f} %", 100 * share);
-}
-
-/// "+3.1 %, +5.0 %": mean and worst.
-std::string cost_text(const MisplacementCost& cost) {
-  return fmt::format("{:+.1f} %, {:+.1f} %", 100 * cost.mean, 100 * cost.worst);
-}
-
-std::vector<std::string> set_cells(const PlacementRow& row) {
-  std::vector<std::string> cells = {row.title, fmt::format("{:.3f}", row.rms_vertex_mm),
-                                    fmt::format("{:.3f}", row.bound.pve_mm.mean),
-                                    fmt::format("{:.5f}", row.bound.mse)};
-  for (const double ratio : row.group_ratios) cells.push_back(fmt::format("{:.2f}", ratio));
-  return cells;
-}
-
-constexpr std::string_view kChosenSet = "the chosen set", kPaperSet = "the paper's set";
-
-std::string place_text(const Vec3& p_m) {
-  return fmt::format("{:.0f} {:.0f} {:.0f}", kMmPerM * p_m.x(), kMmPerM * p_m.y(), kMmPerM * p_m.z());
 }
 
 std::string interval_text(const SeedFigures& figures, int decimals) {
@@ -110,64 +92,20 @@ std::string objective_words(PlacementObjective objective) {
   return {};
 }
 
-Result<void> add_placement_image(measure::Report& report, const render::Image& image,
-                                 const std::string& caption) {
-  if (image.width == 0 || image.height == 0) return {};
-  MIEN_TRY_ASSIGN(const std::vector<std::byte> png, render::encode_png(image));
-  report.image(png, caption);
-  return {};
-}
-
 measure::Table placement_sets_table(const PlacementStudy& study) {
-  measure::Table table;
-  table.caption =
-      "Sets by the linear bound; of the groups of shapes what is left of their prior standard deviation (1: "
-      "nothing is known of them)";
-  table.columns = {"", "RMS, mm", "PVE, mm", "MSE"};
-  for (const std::string_view group : kShapeGroups) table.columns.emplace_back(group);
+  std::vector<PlacementRow> rows;
+  std::vector<std::size_t> strong;
   for (const PlacementRow& row : study.sets) {
-    if (row.sensors.size() == study.chosen.size()) table.strong_rows.push_back(table.rows.size());
-    table.rows.push_back(set_cells(row));
-    if (row.sensors.size() == study.paper_five.sensors.size())
-      table.rows.push_back(set_cells(study.paper_five));
-    if (row.sensors.size() == study.paper.sensors.size()) table.rows.push_back(set_cells(study.paper));
+    if (row.sensors.size() == study.chosen.size()) strong.push_back(rows.size());
+    rows.push_back(row);
+    for (const PlacementRow* paper : {&study.paper_five, &study.paper})
+      if (row.sensors.size() == paper->sensors.size()) rows.push_back(*paper);
   }
-  return table;
-}
-
-measure::Table placement_sites_table(const PlacementStudy& study) {
-  measure::Table table;
-  table.caption =
-      "The chosen sensors: place on the built-in head (frame H, mm), share of the objective that each tells "
-      "alone, and which shapes (share of their variance)";
-  table.columns = {"", "sensor", "x y z", "alone", "tells"};
-  for (std::size_t i = 0; i < study.chosen.size(); ++i) {
-    const std::size_t c = study.chosen[i];
-    table.rows.push_back({fmt::format("{}", i + 1), study.candidates[c].name,
-                          place_text(study.candidates[c].position_m), told_percent(study.alone[c]),
-                          top_shapes(study.alone_posterior[c])});
-  }
-  return table;
-}
-
-measure::Table misplacement_table(std::string_view set, const std::vector<SiteMisplacement>& sites) {
-  measure::Table table;
-  table.caption = fmt::format("What misplacing one sensor costs {} (RMS; mean and worst direction)", set);
-  table.columns = {"sensor", "5 mm off", "5 mm off, learnt", "10° about the normal", "tilted by 10°"};
-  for (const SiteMisplacement& site : sites)
-    table.rows.push_back({site.sensor, cost_text(site.shifted), cost_text(site.shifted_known),
-                          cost_text(site.turned), cost_text(site.tilted)});
-  return table;
-}
-
-measure::Table placement_candidates_table(const PlacementStudy& study) {
-  measure::Table table;
-  table.caption = "Candidates, each alone: share of the objective that it tells, and which shapes";
-  table.columns = {"candidate", "area", "x y z", "alone", "tells"};
-  for (std::size_t i = 0; i < study.grid_begin; ++i)
-    table.rows.push_back({study.candidates[i].name, study.candidates[i].area,
-                          place_text(study.candidates[i].position_m), told_percent(study.alone[i]),
-                          top_shapes(study.alone_posterior[i])});
+  measure::Table table = table_of(
+      "Sets by the linear bound; of the groups of shapes what is left of their prior standard deviation (1: "
+      "nothing is known of them)",
+      rows, placement_columns());
+  table.strong_rows = strong;
   return table;
 }
 
@@ -225,10 +163,9 @@ std::string placement_legend(const PlacementRequest& request) {
       "The bound is what one frame of orientations tells at best by a linear map: noise of {:.2g} degrees an "
       "axis, shapes independent beforehand with a standard deviation of {:.2g}. Sites are chosen one step "
       "after the other so that {} becomes least; {}. RMS is the root of the expected squared displacement of "
-      "the skin's vertices, PVE the mean displacement. Misplacement: the estimate believes that the sensor "
-      "sits where it should; \"learnt\" is after the wearer's skin was learnt where it sits. A sensor's own "
-      "axes cost nothing: its neutral takes them out; what is turned here is the skin below it. Between the "
-      "sites of the default rig the built-in skin is nobody's measurement. Method: docs/method/placement.md.",
+      "the skin's vertices, PVE the mean displacement. Between the sites of the default rig the built-in "
+      "skin "
+      "is nobody's measurement. Method: docs/method/placement.md.",
       kDegPerRad * request.settings.noise_rad, request.settings.prior, objective_words(request.objective),
       request.settings.one_sided ? "each side for itself" : "left and right alike");
 }
@@ -257,18 +194,77 @@ std::vector<std::string> placement_remarks(const PlacementStudy& study) {
 
 }  // namespace
 
+const Columns<PlacementRow>& placement_columns() {
+  using Row = PlacementRow;
+  static const Columns<Row> columns = [] {
+    Columns<Row> out = {
+        {"", "", "{}", &Row::title},
+        {"sensors", "", "", &Row::sensors},
+        {"rms_vertex_mm", "RMS, mm", "{:.3f}", &Row::rms_vertex_mm},
+        {"pve_mm", "PVE, mm", "{:.3f}", [](const Row& row) { return row.bound.pve_mm.mean; }},
+        {"pve_face_mm", "", "", [](const Row& row) { return or_null(optional_mean(row.bound.pve_face_mm)); }},
+        {"lmk_mm", "", "", [](const Row& row) { return or_null(optional_mean(row.bound.lmk_mm)); }},
+        {"mse", "MSE", "{:.5f}", [](const Row& row) { return row.bound.mse; }},
+        {"groups_left", "", "",
+         [](const Row& row) {
+           Json groups;
+           for (std::size_t g = 0; g < kShapeGroups.size(); ++g)
+             groups[std::string(kShapeGroups[g])] = row.group_ratios[g];
+           return groups;
+         }},
+        {"left", "", "",
+         [](const Row& row) { return by_shape([&](std::size_t k) { return row.bound.left[k]; }); }}};
+    for (std::size_t g = 0; g < kShapeGroups.size(); ++g)
+      out.push_back(
+          {"", std::string(kShapeGroups[g]), "{:.2f}", [g](const Row& row) { return row.group_ratios[g]; }});
+    return out;
+  }();
+  return columns;
+}
+
+const Columns<TrainedPlacement>& trained_columns() {
+  using Row = TrainedPlacement;
+  static const Columns<Row> columns = {
+      {"", "", "{}", &Row::title},
+      {"name", "", "", &Row::name},
+      {"sensors", "sensors", "{}", &Row::sensors},
+      {"device_pve_mm", "", "", [](const Row& row) { return row.device.pve_mm; }},
+      {"device_mse", "", "", [](const Row& row) { return row.device.mse; }},
+      {"lab_pve_mm", "", "", [](const Row& row) { return row.lab.pve_mm; }},
+      {"lab_mse", "", "", [](const Row& row) { return row.lab.mse; }},
+      {"", "PVE device, mm", "{}", [](const Row& row) { return interval_text(row.device.pve_mm, 3); }},
+      {"", "MSE device", "{}", [](const Row& row) { return interval_text(row.device.mse, 4); }},
+      {"", "PVE lab, mm", "{}", [](const Row& row) { return interval_text(row.lab.pve_mm, 3); }},
+      {"", "MSE lab", "{}", [](const Row& row) { return interval_text(row.lab.mse, 4); }}};
+  return columns;
+}
+
+Columns<std::size_t> candidate_columns(const PlacementStudy& study) {
+  const auto of = [&study](std::size_t i) -> const SensorCandidate& { return study.candidates[i]; };
+  return {{"name", "candidate", "{}", [of](std::size_t i) { return of(i).name; }},
+          {"area", "area", "{}", [of](std::size_t i) { return of(i).area; }},
+          {"side", "", "", [of](std::size_t i) { return std::string(1, of(i).side); }},
+          {"position_m", "", "",
+           [of](std::size_t i) {
+             const Vec3& p = of(i).position_m;
+             return Json{p.x(), p.y(), p.z()};
+           }},
+          {"", "x y z", "{}",
+           [of](std::size_t i) {
+             const Vec3 p_mm = kMmPerM * of(i).position_m;
+             return fmt::format("{:.0f} {:.0f} {:.0f}", p_mm.x(), p_mm.y(), p_mm.z());
+           }},
+          {"alone", "alone", "{:.1f} %", [&study](std::size_t i) { return study.alone[i]; }, 100},
+          {"tells", "tells", "{}", [&study](std::size_t i) { return top_shapes(study.alone_posterior[i]); }}};
+}
+
 measure::Table placement_trained_table(const PlacementStudy& study, const PlacementTrainingRequest& request) {
-  measure::Table table;
-  table.caption = fmt::format(
-      "Networks with the same budget (trainings a set: {}; steps of each: {}; virtual performers: {}), on {} "
-      "people whom nobody trained on: mean, 95 % interval",
-      request.seeds, request.steps, request.data.performers, request.test_people);
-  table.columns = {"", "sensors", "PVE device, mm", "MSE device", "PVE lab, mm", "MSE lab"};
-  for (const TrainedPlacement& row : study.trained)
-    table.rows.push_back({row.title, fmt::format("{}", row.sensors), interval_text(row.device.pve_mm, 3),
-                          interval_text(row.device.mse, 4), interval_text(row.lab.pve_mm, 3),
-                          interval_text(row.lab.mse, 4)});
-  return table;
+  return table_of(
+      fmt::format(
+          "Networks with the same budget (trainings a set: {}; steps of each: {}; virtual performers: "
+          "{}), on {} people whom nobody trained on: mean, 95 % interval",
+          request.seeds, request.steps, request.data.performers, request.test_people),
+      study.trained, trained_columns());
 }
 
 std::vector<std::string> placement_verdicts(const PlacementStudy& study, const PlacementRequest& request) {
@@ -301,19 +297,20 @@ Result<measure::Report> placement_report(const PlacementStudy& study, const Plac
                                      100 * one.device.high)});
   report.key_figures(figures);
   for (const std::string& sentence : placement_remarks(study)) report.text(sentence);
-  MIEN_TRY(add_placement_image(
-      report, study.pictures.alone,
-      "What one sensor would tell at each place, as a share of the objective; dots are the chosen sensors"));
-  MIEN_TRY(add_placement_image(report, study.pictures.groups,
-                               "Which shapes a sensor there tells most of; pale where it tells little"));
-  MIEN_TRY(add_placement_image(report, study.pictures.sets,
-                               "Sets of every size, and what the last step's sensor would have told at each "
-                               "place; each to its own scale"));
+  MIEN_TRY_ASSIGN(const std::vector<std::byte> png, render::encode_png(study.picture));
+  report.image(
+      png,
+      "What one sensor would tell at each place, as a share of the objective; dots are the chosen sensors");
   report.plot(placement_curve(study));
   report.table(placement_sets_table(study));
-  report.table(placement_sites_table(study));
-  report.table(misplacement_table(kChosenSet, study.misplaced));
-  report.table(misplacement_table(kPaperSet, study.misplaced_paper));
+  measure::Table chosen_sites = table_of(
+      "The chosen sensors: place on the built-in head (frame H, mm), share of the objective that each tells "
+      "alone, and which shapes (share of their variance)",
+      study.chosen, candidate_columns(study));
+  chosen_sites.columns.insert(chosen_sites.columns.begin(), "");
+  for (std::size_t i = 0; i < chosen_sites.rows.size(); ++i)
+    chosen_sites.rows[i].insert(chosen_sites.rows[i].begin(), std::to_string(i + 1));
+  report.table(chosen_sites);
   const std::vector<std::string> verdicts = placement_verdicts(study, request);
   if (!study.trained.empty() || !verdicts.empty()) report.heading("By short trainings");
   if (!study.trained.empty()) report.table(placement_trained_table(study, request.training));
@@ -322,7 +319,10 @@ Result<measure::Report> placement_report(const PlacementStudy& study, const Plac
   report.table(placement_paper_table(study));
   report.text(placement_paper_words(study));
   report.heading("Candidates");
-  report.table(placement_candidates_table(study));
+  std::vector<std::size_t> listed(study.grid_begin);
+  std::iota(listed.begin(), listed.end(), std::size_t{0});
+  report.table(table_of("Candidates, each alone: share of the objective that it tells, and which shapes",
+                        listed, candidate_columns(study)));
   report.text(fmt::format("Left and right differ by {:.1f} % of the most that a site tells, on average.",
                           100 * study.left_right));
   report.text(placement_legend(request));

@@ -152,54 +152,6 @@ std::vector<std::string> names_without_mirror(const std::vector<SensorCandidate>
   return out;
 }
 
-/// What is seen on the pictures.
-Result<PlacementPictures> draw_placement(const PlacementStudy& study, const PlacementEvaluator& evaluator,
-                                         const MatrixXd& slopes) {
-  const PlacementSettings& settings = evaluator.request.settings;
-  const std::size_t begin = study.grid_begin;
-  std::vector<Vec3> places_m;
-  for (std::size_t i = begin; i < study.candidates.size(); ++i)
-    places_m.push_back(study.candidates[i].position_m);
-  const MatrixXd grid = slopes.bottomRows(3 * static_cast<Index>(places_m.size()));
-  const auto dots = [&](const std::vector<std::size_t>& chosen) {
-    std::vector<PlacementDot> out;
-    for (const std::size_t i : chosen) out.push_back({study.candidates[i].position_m, out.size() + 1});
-    return out;
-  };
-  const MatrixXd prior = prior_covariance(settings.prior);
-  std::vector<PlacementField> fields = {
-      {.title = "What one sensor there tells",
-       .told = {study.alone.begin() + static_cast<std::ptrdiff_t>(begin), study.alone.end()},
-       .dots = dots(study.chosen)}};
-  for (std::size_t s = 0; s < study.bound.sets.size(); ++s) {
-    const PlacementSet& set = study.bound.sets[s];
-    MatrixXd before = prior;
-    for (std::size_t i = 0; i < set.before; ++i)
-      before = posterior_with(before, slopes.middleRows(3 * static_cast<Index>(set.chosen[i]), 3),
-                              settings.noise_rad);
-    PlacementField field{.title = {},
-                         .told = error_reductions(evaluator.gram, before, grid, settings.noise_rad),
-                         .dots = dots(set.chosen)};
-    field.title = fmt::format("{}: {:.2f} mm; dark {:.0f} % less", set.chosen.size(),
-                              study.sets[s].rms_vertex_mm, 100 * *std::ranges::max_element(field.told));
-    fields.push_back(std::move(field));
-  }
-  PlacementGroups groups;
-  for (std::size_t i = begin; i < study.candidates.size(); ++i) {
-    std::array<double, kShapeGroups.size()> reduction{};  // Of relative variance, summed over shapes.
-    for (std::size_t k = 0; k < face::kShapeCount; ++k)
-      reduction[shape_group(k)] += 1 - study.alone_posterior[i][k] * study.alone_posterior[i][k];
-    const auto most = std::ranges::max_element(reduction);
-    groups.group.push_back(static_cast<std::size_t>(most - reduction.begin()));
-    groups.strength.push_back(*most);
-  }
-  const double strongest = std::max(1e-9, *std::ranges::max_element(groups.strength));
-  for (double& strength : groups.strength) strength = std::sqrt(strength / strongest);
-  return placement_pictures(
-      places_m, fields, groups,
-      {.height_px = evaluator.request.picture_px, .spacing_m = evaluator.request.spacing_m});
-}
-
 /// The sizes of the sets that are trained, each once: the paper's whole set's and its five's.
 std::vector<std::size_t> trained_sizes(const PlacementRigs& rigs) {
   std::vector<std::size_t> sizes = {rigs.paper.face_sensors().size()};
@@ -303,7 +255,7 @@ Result<std::vector<TrainedPlacement>> train_placements(const PlacementTrainingRe
            }});
   }
   MIEN_TRY_ASSIGN(
-      const std::vector<ShortTrained> trained,
+      const std::vector<model::ModelFile> trained,
       train(trainings, solve::part_of_work(progress, kPlacementTestsShare, kPlacementTrainedShare)));
 
   const measure::Meter meter(builtin_face::default_builtin());
@@ -317,7 +269,7 @@ Result<std::vector<TrainedPlacement>> train_placements(const PlacementTrainingRe
       const double done = static_cast<double>(r * request.seeds + s) / static_cast<double>(trained.size());
       if (!progress(kPlacementTrainedShare + (1 - kPlacementTrainedShare) * done, row.title))
         return fail(ErrorCode::cancelled, "stopped", "study placement");
-      const model::ModelFile& model = trained[r * request.seeds + s].model;
+      const model::ModelFile& model = trained[r * request.seeds + s];
       MIEN_TRY(try_people(model, tests[r], tests[r].device, meter, request.threads, row.device));
       MIEN_TRY(try_people(model, tests[r], tests[r].lab, meter, request.threads, row.lab));
     }
@@ -397,15 +349,16 @@ Result<PlacementStudy> study_placement(const PlacementRequest& request, const fa
   }
   MIEN_TRY_ASSIGN(study.paper, evaluator.row_of(fmt::format("the paper's {}", paper.size()), paper));
   MIEN_TRY_ASSIGN(study.paper_five, evaluator.row_of("the paper's 5", five));
-  MIEN_TRY_ASSIGN(study.misplaced, misplacement_costs(face, study.chosen_candidates(), evaluator.gram,
-                                                      settings, request.misplacement));
-  MIEN_TRY_ASSIGN(study.misplaced_paper,
-                  misplacement_costs(face, paper, evaluator.gram, settings, request.misplacement));
   MIEN_TRY_ASSIGN(study.paper_sites,
                   study_paper_sites(request.paper_sites, rigs.paper_candidates,
                                     solve::part_of_work(progress, kBoundDone, kPaperSitesDone)));
-  if (stopped(kPaperSitesDone, "pictures")) return cancelled();
-  MIEN_TRY_ASSIGN(study.pictures, draw_placement(study, evaluator, slopes));
+  if (stopped(kPaperSitesDone, "picture")) return cancelled();
+  std::vector<Vec3> grid_m, chosen_m;
+  for (std::size_t i = study.grid_begin; i < study.candidates.size(); ++i)
+    grid_m.push_back(study.candidates[i].position_m);
+  for (const std::size_t i : study.chosen) chosen_m.push_back(study.candidates[i].position_m);
+  MIEN_TRY_ASSIGN(study.picture, placement_picture(grid_m, std::span(study.alone).subspan(study.grid_begin),
+                                                   chosen_m, request.spacing_m, request.picture_px));
   if (train == nullptr) {
     progress(1, "done");
     return study;

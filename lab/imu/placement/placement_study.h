@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lab/columns.h"
 #include "lab/imu/placement/paper_sites.h"
 #include "lab/imu/placement/placement_bound.h"
 #include "lab/imu/sensor_bound.h"
@@ -24,44 +25,15 @@
 
 namespace mien::lab {
 
-/// A sensor on a picture: a white dot with its number.
-struct PlacementDot {
-  Vec3 position_m = Vec3::Zero();  ///< Built-in head, frame H.
-  std::size_t number = 1;
-};
-
-/// What one more sensor would tell at each place, and who is there already.
-struct PlacementField {
-  std::string title;         ///< Printable ASCII.
-  std::vector<double> told;  ///< Share beside the places, 0 to 1.
-  std::vector<PlacementDot> dots;
-};
-
-/// What a sensor at each place tells most of.
-struct PlacementGroups {
-  std::vector<std::size_t> group;  ///< In kShapeGroups, beside the places.
-  std::vector<double> strength;    ///< 0 (pale) to 1.
-};
-
-/// The pictures of `mien study placement`. Places where no candidate is near (lids, lips, hair) keep pale.
-struct PlacementPictures {
-  render::Image alone;                           ///< The first field, from the front and at three quarters.
-  render::Image groups;                          ///< The same of what is told most, in five colours.
-  render::Image sets;                            ///< The other fields, four in a row, each to its own scale.
-  [[nodiscard]] render::Image together() const;  ///< One below the other.
-};
-
-struct PlacementPictureRequest {
-  int height_px = 640;       ///< Of the large pictures.
-  double spacing_m = 0.008;  ///< Of the places: how far each reaches.
-};
-
-/// `places_m`: on the built-in head, frame H. `fields`: at least one. Errors: those of
-/// render::Lettering::load(). Cost: about ten seconds.
-[[nodiscard]] Result<PlacementPictures> placement_pictures(const std::vector<Vec3>& places_m,
-                                                           const std::vector<PlacementField>& fields,
-                                                           const PlacementGroups& groups,
-                                                           const PlacementPictureRequest& request);
+/// What a sensor at each place tells alone (`told`, share of the objective), as colour on the built-in head
+/// from the front and at three quarters, dark where it tells most, and the chosen ones as white dots,
+/// numbered in their order. `places_m`, `chosen_m`: on the built-in head, frame H. `spacing_m`: of the
+/// places, how far each reaches; where no place is near (lids, lips, hair) it keeps pale. Errors: those of
+/// render::Lettering::load(). Cost: some seconds.
+[[nodiscard]] Result<render::Image> placement_picture(const std::vector<Vec3>& places_m,
+                                                      std::span<const double> told,
+                                                      const std::vector<Vec3>& chosen_m, double spacing_m,
+                                                      int height_px);
 
 /// How sets of sensors are held against each other by what networks make of them.
 struct PlacementTrainingRequest {
@@ -113,12 +85,11 @@ struct PlacementRequest {
   double spacing_m = 0.008;  ///< Of the dense grid.
   PlacementObjective objective = PlacementObjective::vertex;
   PlacementSettings settings;  ///< `most` is at least `sensors`.
-  MisplacementRequest misplacement;
   PaperSitesRequest paper_sites;
   PlacementTrainingRequest training;
   virt::SkinMotionRequest skin;  ///< Of the rigs that are trained on.
-  int picture_px = 640;
-  bool quick = false;  ///< Trainings are too small to compare anything: reports name no better set.
+  int picture_px = 640;          ///< Height of the picture.
+  bool quick = false;            ///< Trainings are too small to compare anything: reports name no better set.
 };
 
 /// The rigs that a study is about.
@@ -147,8 +118,7 @@ struct PlacementStudy {
   std::vector<PosteriorOverPrior> alone_posterior;  ///< After this candidate alone, of all candidates.
   std::vector<PlacementRow> sets;                   ///< Of each size.
   PlacementRow paper, paper_five;
-  std::vector<std::size_t> chosen;                           ///< The set of the asked size.
-  std::vector<SiteMisplacement> misplaced, misplaced_paper;  ///< Of the chosen set and of the paper's.
+  std::vector<std::size_t> chosen;  ///< The set of the asked size.
   PaperSitesStudy paper_sites;
   double left_right = 0;  ///< Mean difference of a pair's `alone`, as a share of the largest of all.
   std::vector<TrainedPlacement> trained;  ///< Empty without trainings.
@@ -156,12 +126,12 @@ struct PlacementStudy {
   std::string not_trained;  ///< A sentence where sets were to be trained that the candidates do not give.
   /// Names of one's own candidates that were not chosen from: sets are symmetric, and nothing mirrors these.
   std::vector<std::string> without_mirror;
-  PlacementPictures pictures;
+  render::Image picture;  ///< placement_picture() of the grid and the chosen set.
 
   [[nodiscard]] std::vector<SensorCandidate> chosen_candidates() const;
 };
 
-/// The whole study: bound and pictures on `face`, what the paper's sites feel and trainings on virtual people
+/// The whole study: bound on `face`, its picture, what the paper's sites feel and trainings on virtual people
 /// of the built-in family. `train` null: no trainings. Else sets as large as the paper's (eleven) and its
 /// kPaperFive are trained where the candidates give them, and `not_trained` says where they do not. Errors:
 /// candidates_of()'s, those of the sites, bad_usage (fewer candidates than sensors), `train`'s; cancelled.
@@ -173,6 +143,13 @@ struct PlacementStudy {
 /// The shapes that a sensor tells most of, largest reduction of the variance first: at most `most`, at least
 /// a tenth each. "jawOpen 62 %, ...".
 [[nodiscard]] std::string top_shapes(const PosteriorOverPrior& posterior, std::size_t most = 5);
+
+/// The figures of a set by the linear bound.
+[[nodiscard]] const Columns<PlacementRow>& placement_columns();
+/// Those of a set's networks.
+[[nodiscard]] const Columns<TrainedPlacement>& trained_columns();
+/// What candidates tell, by their index. The study must outlive them.
+[[nodiscard]] Columns<std::size_t> candidate_columns(const PlacementStudy& study);
 
 /// What networks of each set are off, and how large their trainings were; without rows where none was
 /// trained.

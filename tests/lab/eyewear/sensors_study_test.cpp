@@ -52,8 +52,6 @@ TEST(SensorsStudy, MeasuresEveryWearerTestAndMarker) {
     EXPECT_LT(training.outliers, 100u);
     EXPECT_GT(training.share, 0.95);
   }
-  EXPECT_EQ(study->curve_s.size(), study->curve_mm.size());
-  EXPECT_GE(study->curve_s.size(), kTests * 20);
 }
 
 TEST(SensorsStudy, DoesNotDependOnThreads) {
@@ -65,7 +63,6 @@ TEST(SensorsStudy, DoesNotDependOnThreads) {
   const auto two = study_sensors(request, rig(), markers(), no_progress);
   ASSERT_TRUE(one && two);
   EXPECT_EQ(one->faithful.overall.all.mean_mm, two->faithful.overall.all.mean_mm);
-  EXPECT_EQ(one->curve_mm, two->curve_mm);
 }
 
 TEST(SensorsStudy, PerfectGlassesKnowMoreThanTheMeanPose) {

@@ -65,8 +65,8 @@ TEST(LiveConditions, HaveNamesThatComeBack) {
   std::set<std::string_view> names;
   for (std::size_t c = 0; c < kLiveConditionCount; ++c) {
     const auto condition = static_cast<LiveCondition>(c);
-    names.insert(live_condition_name(condition));
-    EXPECT_EQ(parse_live_condition(live_condition_name(condition)).value(), condition);
+    names.insert(names_of(condition).name);
+    EXPECT_EQ(parse_live_condition(names_of(condition).name).value(), condition);
   }
   EXPECT_EQ(names.size(), kLiveConditionCount);
   const auto wrong = parse_live_condition("flying");
@@ -128,7 +128,7 @@ void expect_conditions_to_do_what_they_say(const LiveSet& whole) {
   };
   for (const LiveCondition other : {LiveCondition::unseen, LiveCondition::remount, LiveCondition::walking,
                                     LiveCondition::running, LiveCondition::other_simulator})
-    EXPECT_NE(error(other), error(LiveCondition::seen)) << live_condition_name(other);
+    EXPECT_NE(error(other), error(LiveCondition::seen)) << names_of(other).name;
 }
 
 void expect_a_long_session_to_repeat_itself(const LiveSet& whole) {

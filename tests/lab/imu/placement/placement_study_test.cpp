@@ -26,7 +26,6 @@ PlacementRequest small_request() {
   request.sensors = 5;
   request.spacing_m = 0.025;
   request.settings.most = 5;
-  request.misplacement.directions = 2;
   request.paper_sites.performers = 1;
   request.picture_px = 96;
   return request;
@@ -65,7 +64,7 @@ TEST(StudyPlacement, TellsAllOfItWithoutTraining) {
   EXPECT_LT(study->left_right, 0.05);
   EXPECT_TRUE(study->trained.empty());
   EXPECT_EQ(study->not_trained, "");
-  EXPECT_EQ(study->pictures.together().width, 2 * request.picture_px);
+  EXPECT_EQ(study->picture.width, 2 * request.picture_px);
 
   const auto report = placement_report(*study, request, "a test");
   ASSERT_TRUE(report);
@@ -82,7 +81,7 @@ TEST(StudyPlacement, SaysWhereNoSetIsLargeEnoughToBeTrained) {
   with_own.own =
       *rig_with_sensors(with_own.paper, std::vector<std::string>{"frontalis_R", "frontalis_L", "mentalis"});
   const TrainShort nobody = [](std::span<const ShortTraining>,
-                               const Progress&) -> Result<std::vector<ShortTrained>> {
+                               const Progress&) -> Result<std::vector<model::ModelFile>> {
     return fail(ErrorCode::internal, "nothing was to be trained");
   };
   PlacementRequest request = small_request();

@@ -150,24 +150,15 @@ TEST(WornRigOf, ReadsBackEqualAndCanBeWorn) {
   EXPECT_EQ(back->skin->sensors, back->face_sensor_names());
 }
 
-TEST(RigOf, NeedsAHeadAndSensors) {
+TEST(WornRigOf, NeedsAHeadAndSensors) {
   sensor::Rig headless = default_rig();
   std::erase_if(headless.sensors, [](const sensor::Mount& mount) { return mount.role == "head"; });
-  const auto without = rig_of(three_candidates(), headless, "three");
+  const auto without = worn_rig_of(three_candidates(), headless, "three", {}, no_progress);
   ASSERT_FALSE(without);
   EXPECT_EQ(without.error().code, ErrorCode::not_found);
-  const auto nobody = rig_of({}, default_rig(), "none");
+  const auto nobody = worn_rig_of({}, default_rig(), "none", {}, no_progress);
   ASSERT_FALSE(nobody);
   EXPECT_EQ(nobody.error().code, ErrorCode::bad_usage);
-}
-
-TEST(PlacementRecipe, HasDataThatReads) {
-  const std::string recipe = placement_recipe();
-  const std::size_t begin = recipe.find("[data]\n") + 7;
-  const auto data =
-      synthetic::parse_data_recipe(recipe.substr(begin, recipe.find("\n[optimiser]") - begin), "recipe");
-  ASSERT_TRUE(data) << data.error().message();
-  EXPECT_GT(data->performers, 100);
 }
 
 }  // namespace
