@@ -109,7 +109,7 @@ class Reader {
 
   /// Of `lacks` the keys are inner shapes, of the others the profile's.
   Result<void> each(const toml::table& file, std::string_view key,
-                    Result<void> (Reader::*read_row)(std::size_t shape, const toml::node& node)) {
+                    Result<void> (Reader::*read_entry)(std::size_t shape, const toml::node& node)) {
     const toml::node* const node = file.get(key);
     if (node == nullptr) return {};
     const toml::table* const table = node->as_table();
@@ -120,7 +120,7 @@ class Reader {
       MIEN_TRY_ASSIGN(const std::size_t shape,
                       find(name.str(), inner ? inner_names() : shape_names_,
                            inner ? "the inner profile" : table_.names->profile, value));
-      MIEN_TRY((this->*read_row)(shape, value));
+      MIEN_TRY((this->*read_entry)(shape, value));
     }
     return {};
   }
