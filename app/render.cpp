@@ -16,7 +16,6 @@
 #include "app/performance.h"
 #include "mien/core/files.h"
 #include "mien/core/nearest_word.h"
-#include "mien/face/load_motion.h"
 #include "mien/face/profile_map.h"
 #include "mien/face/shapes_named.h"
 #include "mien/face/target_names.h"
