@@ -10,12 +10,9 @@
 
 #include "app/chosen_face.h"
 #include "app/command.h"
-#include "app/json_output.h"
 #include "app/model_option.h"
 #include "app/phone_option.h"
-#include "app/shaping_option.h"
 #include "mien/core/excerpt.h"
-#include "mien/core/files.h"
 #include "mien/measure/evaluation_json.h"
 #include "mien/measure/evaluation_report.h"
 #include "mien/modalities/modalities.h"
@@ -71,6 +68,24 @@ Track weights_of(const solve::Solution& solution) {
   Track out;
   out.reserve(solution.frames.size());
   for (const face::OutputFrame& frame : solution.frames) out.push_back(frame.weights);
+  return out;
+}
+
+/// Settings without one of their steps.
+struct Ablated {
+  std::string without;  ///< The step's name; "every step".
+  shaping::ShaperSettings settings;
+};
+
+/// `settings` with one more step left out each, in the order of the chain; last with none of them.
+std::vector<Ablated> ablations(const shaping::ShaperSettings& settings) {
+  std::vector<Ablated> out;
+  for (std::size_t step = 0; step < shaping::kChainStepCount; ++step) {
+    out.push_back({std::string(shaping::kChainStepNames[step]), settings});
+    out.back().settings.off.set(step);
+  }
+  out.push_back({"every step", settings});
+  out.back().settings.off.set();
   return out;
 }
 

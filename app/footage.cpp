@@ -15,8 +15,36 @@ namespace mien::app {
 namespace fs = std::filesystem;
 namespace {
 
+/// Largest file of one picture.
+constexpr std::size_t kMostPictureBytes = std::size_t{64} << 20U;
+
 bool is_digit(char c) {
   return c >= '0' && c <= '9';
+}
+
+/// Whether a name comes before another in a folder: as text, but for numbers in it, which go by their value:
+/// "2" before "10". Names that differ by zeros in front alone go as text.
+bool comes_before(const std::string& a, const std::string& b) {
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (!is_digit(a[i]) || !is_digit(b[j])) {
+      if (a[i] != b[j]) return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
+      ++i;
+      ++j;
+      continue;
+    }
+    const auto take_number = [](const std::string& text, std::size_t& at) {
+      while (at < text.size() && text[at] == '0') ++at;
+      const std::size_t begin = at;
+      while (at < text.size() && is_digit(text[at])) ++at;
+      return std::string_view(text).substr(begin, at - begin);
+    };
+    const std::string_view one = take_number(a, i), other = take_number(b, j);
+    if (one.size() != other.size()) return one.size() < other.size();
+    if (one != other) return one < other;
+  }
+  if (i < a.size() || j < b.size()) return i == a.size();
+  return a < b;
 }
 
 bool is_picture(const fs::path& path) {
@@ -94,29 +122,6 @@ Result<std::vector<fs::path>> pictures_in(const fs::path& folder) {
 }
 
 }  // namespace
-
-bool comes_before(const std::string& a, const std::string& b) {
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (!is_digit(a[i]) || !is_digit(b[j])) {
-      if (a[i] != b[j]) return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
-      ++i;
-      ++j;
-      continue;
-    }
-    const auto take_number = [](const std::string& text, std::size_t& at) {
-      while (at < text.size() && text[at] == '0') ++at;
-      const std::size_t begin = at;
-      while (at < text.size() && is_digit(text[at])) ++at;
-      return std::string_view(text).substr(begin, at - begin);
-    };
-    const std::string_view one = take_number(a, i), other = take_number(b, j);
-    if (one.size() != other.size()) return one.size() < other.size();
-    if (one != other) return one < other;
-  }
-  if (i < a.size() || j < b.size()) return i == a.size();
-  return a < b;
-}
 
 Result<std::unique_ptr<Footage>> Footage::open(const fs::path& path) {
   std::error_code ignored;

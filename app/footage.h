@@ -23,8 +23,6 @@ class Footage {
 
   /// So many pictures of one camera at most: over three hours at 40 a second.
   static constexpr std::size_t kMostPictures = 500'000;
-  /// Largest file of one picture.
-  static constexpr std::size_t kMostPictureBytes = std::size_t{64} << 20U;
 
   /// Pictures of a folder are its .jpg, .jpeg, .pgm and .ppm files in the order of their names, numbers in
   /// these by value. Anything else is a film, which `mien-media` decodes, made smaller where it is larger
@@ -38,9 +36,5 @@ class Footage {
   /// How many pictures there are; 0: that is not known.
   [[nodiscard]] virtual std::size_t about() const = 0;
 };
-
-/// Whether a name comes before another in a folder: as text, but for numbers in it, which go by their value:
-/// "2" before "10". Names that differ by zeros in front alone go as text.
-[[nodiscard]] bool comes_before(const std::string& a, const std::string& b);
 
 }  // namespace mien::app

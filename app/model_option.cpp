@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <memory>
 #include <utility>
 
 #include "app/command.h"
+#include "mien/core/files.h"
 #include "mien/modalities/modalities.h"
 #include "mien/model/linear.h"
 #include "mien/model/model_file.h"
-#include "mien/sensor/rig_part.h"
 #include "mien/solve/prompted.h"
 #include "mien/solve/trace_features.h"
 #include "mien/tracker/causal_tracker.h"
@@ -194,6 +193,20 @@ Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
     return std::unexpected(std::move(solver).error());
   }
   return OpenModel(*std::move(solver), steps);
+}
+
+void ShapingOption::add_to(Command command) {
+  command.add_option("--shaping", path,
+                     "Shape the frames as a session with these settings would: a JSON file, {} for the "
+                     "defaults (docs/reference/shaping_settings.md). Without it by the defaults; a window "
+                     "model's answer is not shaped");
+}
+
+Result<std::optional<shaping::ShaperSettings>> ShapingOption::read() const {
+  if (path.empty()) return std::nullopt;
+  MIEN_TRY_ASSIGN(const std::string text, read_text(path));
+  MIEN_TRY_ASSIGN(const shaping::ShaperSettings settings, shaping::parse_settings(text, path));
+  return settings;
 }
 
 }  // namespace mien::app

@@ -71,4 +71,13 @@ struct ModelOption {
   [[nodiscard]] Result<OpenModel> open(const sensor::Rig& rig);
 };
 
+/// The settings of shaping that a command which solves takes is given.
+struct ShapingOption {
+  std::string path;  ///< Empty: none.
+
+  void add_to(Command command);
+  /// None where no file is named. Errors: not_found, and parse_settings'.
+  [[nodiscard]] Result<std::optional<shaping::ShaperSettings>> read() const;
+};
+
 }  // namespace mien::app

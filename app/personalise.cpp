@@ -11,7 +11,7 @@
 #include "mien/core/time.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig_part.h"
-#include "mien/solve/learn_from_phone.h"
+#include "mien/solve/phone_truth.h"
 #include "mien/solve/prompted.h"
 #include "mien/solve/solve.h"
 #include "mien/solve/trace_features.h"

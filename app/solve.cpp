@@ -6,7 +6,6 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/model_option.h"
-#include "app/shaping_option.h"
 #include "app/write_motion.h"
 #include "mien/solve/solve.h"
 

@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "app/command.h"

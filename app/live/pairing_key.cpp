@@ -14,9 +14,9 @@
 #include <system_error>
 
 #include "app/private_folder.h"
+#include "mien/core/encoding.h"
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
-#include "mien/core/hex.h"
 
 namespace mien::app {
 namespace fs = std::filesystem;

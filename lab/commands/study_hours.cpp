@@ -20,7 +20,6 @@
 #include "app/private_folder.h"
 #include "lab/commands/output.h"
 #include "lab/imu/hours_study.h"
-#include "mien/core/cache_folder.h"
 #include "mien/core/files.h"
 #include "mien/core/sha256.h"
 #include "mien/face/profile.h"

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "app/chosen_face.h"
-#include "app/json_output.h"
 #include "app/command.h"
+#include "app/json_output.h"
 #include "app/private_folder.h"
 #include "app/seed_option.h"
 #include "lab/columns.h"

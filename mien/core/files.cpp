@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 
 namespace mien {
@@ -152,6 +153,14 @@ Result<fs::path> find_resource(const fs::path& relative) {
   }
   return fail(ErrorCode::not_found, fmt::format("{} is not installed beside the program", relative.string()),
               program.string(), "install Mien whole, or run it from its build folder");
+}
+
+fs::path cache_folder() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && *cache == '/') return fs::path(cache) / "mien";
+  const char* home = std::getenv("HOME");
+  if (home != nullptr && *home == '/') return fs::path(home) / ".cache" / "mien";
+  return {};
 }
 
 }  // namespace mien

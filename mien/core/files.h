@@ -35,4 +35,8 @@ inline constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;
 /// an installed tree as in a build tree. `relative` is like "rigs/default.toml". Errors: not_found.
 [[nodiscard]] Result<std::filesystem::path> find_resource(const std::filesystem::path& relative);
 
+/// Where this program keeps what it can make anew: $XDG_CACHE_HOME/mien, else ~/.cache/mien. It need not be
+/// there. Empty where the user has no home.
+[[nodiscard]] std::filesystem::path cache_folder();
+
 }  // namespace mien

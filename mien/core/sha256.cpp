@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "mien/core/hex.h"
+#include "mien/core/encoding.h"
 
 namespace mien {
 

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "mien/core/bytes.h"
-#include "mien/core/cache_folder.h"
+#include "mien/core/files.h"
 #include "mien/core/sha256.h"
 
 namespace mien::face {

@@ -43,6 +43,15 @@ std::optional<ProvenanceShares> provenance_shares(const std::vector<TakeEstimate
   return shares;
 }
 
+using Track = std::vector<face::BlendshapeWeights>;
+
+Track truth_of(std::span<const take::TruthFrame> frames) {
+  Track truth;
+  truth.reserve(frames.size());
+  for (const take::TruthFrame& frame : frames) truth.push_back(frame.weights);
+  return truth;
+}
+
 }  // namespace
 
 std::string_view provenance_name(face::Provenance provenance) {
@@ -94,9 +103,7 @@ std::vector<face::BlendshapeWeights> hold_last(std::span<const take::TruthFrame>
 
 Metrics measure_track(const Meter& meter, std::span<const take::TruthFrame> truth,
                       std::span<const face::BlendshapeWeights> estimate) {
-  std::vector<face::BlendshapeWeights> weights;
-  weights.reserve(truth.size());
-  for (const take::TruthFrame& frame : truth) weights.push_back(frame.weights);
+  const Track weights = truth_of(truth);
   const std::span<const face::BlendshapeWeights> all(weights);
   std::vector<Stretch> stretches;
   for (const auto& [begin, end] : evaluated_runs(truth))
@@ -105,15 +112,6 @@ Metrics measure_track(const Meter& meter, std::span<const take::TruthFrame> trut
 }
 
 namespace {
-
-using Track = std::vector<face::BlendshapeWeights>;
-
-Track truth_of(const TakeEstimates& take) {
-  Track truth;
-  truth.reserve(take.truth.size());
-  for (const take::TruthFrame& frame : take.truth) truth.push_back(frame.weights);
-  return truth;
-}
 
 enum class Gaze { as_weights_say, of_model };
 
@@ -140,7 +138,7 @@ std::vector<Stretch> stretches_of(const std::vector<TakeEstimates>& takes, const
 Ablation measure_ablation(const Meter& meter, const std::vector<TakeEstimates>& takes, std::string without,
                           std::span<const std::vector<face::BlendshapeWeights>> weights) {
   std::vector<Track> truths;
-  for (const TakeEstimates& t : takes) truths.push_back(truth_of(t));
+  for (const TakeEstimates& t : takes) truths.push_back(truth_of(t.truth));
   Ablation out{.without = std::move(without), .changed = false, .metrics = {}};
   for (std::size_t t = 0; t < takes.size(); ++t)
     out.changed =
@@ -157,7 +155,7 @@ Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>
   std::vector<Track> held;
   std::vector<Track> means;
   for (const TakeEstimates& t : takes) {
-    truths.push_back(truth_of(t));
+    truths.push_back(truth_of(t.truth));
     held.push_back(hold_last(t.truth));
     means.emplace_back(t.truth.size(), mean_pose);
   }

@@ -53,6 +53,15 @@ Line curve(const std::string& name, const std::vector<float>& values) {
   return line;
 }
 
+/// An error of the model, and of ridge, over time.
+LinePlot over_time(const std::string& what, std::string unit, const Evaluation& evaluation,
+                   std::vector<float> Metrics::*values) {
+  LinePlot plot{.title = what + ", frame by frame", .x_label = "time (s)", .y_label = std::move(unit)};
+  plot.lines.push_back(curve("model", evaluation.model.*values));
+  if (evaluation.ridge) plot.lines.push_back(curve("ridge", (*evaluation.ridge).*values));
+  return plot;
+}
+
 std::string against(double ours, const std::optional<double>& ridge) {
   return ridge && *ridge > 0 ? fmt::format("{:.2f} of ridge's {:.3g}", ours / *ridge, *ridge) : "";
 }
@@ -82,15 +91,20 @@ std::string ways(const std::array<double, kProvenanceCount>& shares) {
   return fmt::format("{}", fmt::join(said, ", "));
 }
 
+/// Its rows are those of row(); the first is what the others are compared with.
+Table metrics_table(const char* caption) {
+  return {caption,
+          {"", "PVE, mm", "PVE face, mm", "landmarks, mm", "MSE", "MSE of 42", "jitter", "blink F1"},
+          {},
+          {0}};
+}
+
 Table beside_baselines(const Evaluation& evaluation) {
-  Table table;
-  table.caption = "The model beside its baselines, on the same frames";
-  table.columns = {"", "PVE, mm", "PVE face, mm", "landmarks, mm", "MSE", "MSE of 42", "jitter", "blink F1"};
+  Table table = metrics_table("The model beside its baselines, on the same frames");
   table.rows.push_back(row("model", evaluation.model));
   if (evaluation.ridge) table.rows.push_back(row("ridge, one frame", *evaluation.ridge));
   table.rows.push_back(row("hold last second", evaluation.hold_last));
   table.rows.push_back(row("mean pose", evaluation.mean_pose));
-  table.strong_rows = {0};
   return without_empty_columns(std::move(table));
 }
 
@@ -131,14 +145,11 @@ Table every_shape(const Evaluation& evaluation) {
 }
 
 Table without_steps(const Evaluation& evaluation) {
-  Table table;
-  table.caption = "With one step of shaping left out";
-  table.columns = {"", "PVE, mm", "PVE face, mm", "landmarks, mm", "MSE", "MSE of 42", "jitter", "blink F1"};
+  Table table = metrics_table("With one step of shaping left out");
   table.rows.push_back(row("all steps", evaluation.model));
   for (const Ablation& one : evaluation.ablations)
     table.rows.push_back(
         row(fmt::format("without {}{}", one.without, one.changed ? "" : " (no bit changes)"), one.metrics));
-  table.strong_rows = {0};
   return without_empty_columns(std::move(table));
 }
 
@@ -201,22 +212,10 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
         "is worth on these takes. What each does: docs/method/shaping.md.");
   }
 
-  LinePlot vertices;
-  vertices.title = "Vertex error, frame by frame";
-  vertices.x_label = "time (s)";
-  vertices.y_label = "PVE (mm)";
-  vertices.lines.push_back(curve("model", m.pve_mm_curve));
-  if (evaluation.ridge) vertices.lines.push_back(curve("ridge", evaluation.ridge->pve_mm_curve));
+  LinePlot vertices = over_time("Vertex error", "PVE (mm)", evaluation, &Metrics::pve_mm_curve);
   vertices.lines.push_back(curve("mean pose", evaluation.mean_pose.pve_mm_curve));
   report.plot(vertices);
-
-  LinePlot weights;
-  weights.title = "Weight error, frame by frame";
-  weights.x_label = "time (s)";
-  weights.y_label = "MSE";
-  weights.lines.push_back(curve("model", m.mse_curve));
-  if (evaluation.ridge) weights.lines.push_back(curve("ridge", evaluation.ridge->mse_curve));
-  report.plot(weights);
+  report.plot(over_time("Weight error", "MSE", evaluation, &Metrics::mse_curve));
 
   report.table(every_shape(evaluation));
   if (evaluation.provenance)

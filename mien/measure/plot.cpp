@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 namespace mien::measure {
 namespace {
@@ -152,23 +153,16 @@ std::string numbers_of(const Line& line, Scale x, Scale y, std::size_t points) {
 }  // namespace
 
 std::string escaped(const std::string& text) {
+  constexpr std::pair<char, const char*> kSigns[] = {
+      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
   std::string out;
-  for (const char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
+  for (const char c : text) {
+    const auto* const sign = std::ranges::find(kSigns, c, &std::pair<char, const char*>::first);
+    if (sign != std::end(kSigns))
+      out += sign->second;
+    else
+      out += c;
+  }
   return out;
 }
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <utility>
 
-#include "mien/core/base64.h"
+#include "mien/core/encoding.h"
 #include "mien/core/files.h"
 
 namespace mien::measure {

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "mien/core/base64.h"
+#include "mien/core/encoding.h"
 #include "mien/core/files.h"
 #include "mien/core/time.h"
 #include "mien/render/face_textures.h"

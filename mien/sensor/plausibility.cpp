@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "mien/core/units.h"
-#include "mien/sensor/specific_force.h"
+#include "mien/sensor/sample_values.h"
 
 namespace mien::sensor {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "mien/core/time.h"
-#include "mien/sensor/picture_light.h"
 #include "mien/sensor/protocol.h"
+#include "mien/sensor/sample_values.h"
 
 namespace mien::session {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "mien/sensor/bindings.h"
-#include "mien/sensor/level.h"
+#include "mien/sensor/sample_values.h"
 #include "mien/shaping/merge.h"
 
 namespace mien::session {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "mien/sensor/specific_force.h"
+#include "mien/sensor/sample_values.h"
 
 namespace mien::session {
 namespace {

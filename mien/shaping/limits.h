@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "mien/face/output_frame.h"
@@ -20,7 +21,10 @@ struct Limits {
   std::array<ShapeLimits, face::kShapeCount> shapes{};
 
   /// No allocation. Thread-safe.
-  void apply(face::OutputFrame& frame) const;
+  void apply(face::OutputFrame& frame) const {
+    for (std::size_t i = 0; i < face::kShapeCount; ++i)
+      frame.weights[i] = std::min(std::max(shapes[i].gain * frame.weights[i], shapes[i].low), shapes[i].high);
+  }
   bool operator==(const Limits&) const = default;
 };
 

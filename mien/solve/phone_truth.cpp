@@ -13,6 +13,7 @@
 #include "mien/phone/taps.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/sensor/rig_part.h"
+#include "mien/solve/trace_features.h"
 #include "mien/solve/whole_line.h"
 
 namespace mien::solve {
@@ -289,10 +290,18 @@ Result<PhoneTruth> phone_truth(std::span<const take::Event> events,
   return truth;
 }
 
-std::vector<tracker::TaughtFrame> taught_by(const PhoneTruth& truth) {
+Result<LearntFromPhone> learn_from_phone(const take::Take& take,
+                                         std::span<const model::FeatureFrame> features,
+                                         const PhoneTrack& track, const face::Face& face,
+                                         model::ModelFile& file, const Progress& progress) {
+  MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
+  MIEN_TRY_ASSIGN(const PhoneTruth truth, phone_truth(events, features, track));
   std::vector<tracker::TaughtFrame> taught;
   for (const take::TruthFrame& frame : truth.frames) taught.push_back({frame.evaluated, frame.weights});
-  return taught;
+  LearntFromPhone lesson{.alignment = truth.alignment, .learnt = {}};
+  MIEN_TRY_ASSIGN(lesson.learnt, tracker::learn_correction(features, taught, traced_sensor_names(take.rig()),
+                                                           face, file, progress));
+  return lesson;
 }
 
 }  // namespace mien::solve

@@ -9,8 +9,11 @@
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/face/face.h"
 #include "mien/face/motion.h"
 #include "mien/model/features.h"
+#include "mien/model/model_file.h"
 #include "mien/phone/time_alignment.h"
 #include "mien/sensor/rig.h"
 #include "mien/solve/sound_guess.h"
@@ -74,8 +77,18 @@ struct PhoneTruth {
                                              std::span<const model::FeatureFrame> features,
                                              const PhoneTrack& track);
 
-/// What a live model's correction is learnt from (tracker::learn_correction): frames that are evaluated are
-/// known.
-[[nodiscard]] std::vector<tracker::TaughtFrame> taught_by(const PhoneTruth& truth);
+/// What a phone taught of one wearer.
+struct LearntFromPhone {
+  phone::TimeAlignment alignment;
+  tracker::LearntCorrection learnt;
+};
+
+/// Learns what a live model's answers lack for a take's wearer (tracker::learn_correction) from what a phone
+/// told meanwhile, and stores it in `file` where it helps. `features`: what take_features() gave. `face`:
+/// whose skin counts. Errors: the take's, phone_truth's and learn_correction's.
+[[nodiscard]] Result<LearntFromPhone> learn_from_phone(const take::Take& take,
+                                                       std::span<const model::FeatureFrame> features,
+                                                       const PhoneTrack& track, const face::Face& face,
+                                                       model::ModelFile& file, const Progress& progress);
 
 }  // namespace mien::solve

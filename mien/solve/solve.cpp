@@ -1,7 +1,5 @@
 #include "mien/solve/solve.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 #include <memory>

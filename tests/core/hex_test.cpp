@@ -1,4 +1,4 @@
-#include "mien/core/hex.h"
+#include "mien/core/encoding.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "mien/core/hex.h"
+#include "mien/core/encoding.h"
 #include "mien/live/page_messages.h"
 #include "mien/live/page_server.h"
 

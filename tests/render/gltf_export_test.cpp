@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "mien/core/base64.h"
 #include "mien/core/bytes.h"
+#include "mien/core/encoding.h"
 #include "mien/face/gltf_import.h"
 #include "tests/render/ball_face.h"
 

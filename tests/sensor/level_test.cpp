@@ -1,4 +1,4 @@
-#include "mien/sensor/level.h"
+#include "mien/sensor/sample_values.h"
 
 #include <gtest/gtest.h>
 
