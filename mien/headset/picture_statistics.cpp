@@ -1,7 +1,6 @@
 #include "mien/headset/picture_statistics.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstring>

@@ -1,7 +1,6 @@
 #include "mien/imu/fusion.h"
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>

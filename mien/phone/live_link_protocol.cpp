@@ -1,7 +1,6 @@
 #include "mien/phone/live_link_protocol.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 
