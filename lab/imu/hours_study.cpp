@@ -146,10 +146,8 @@ class HoursPerformance {
 
   void mark(const std::vector<take::Event>& events) {
     for (const take::Event& event : events)
-      if (const auto phase = imu::phase_of(event.kind)) {
-        pipeline_.mark(*phase, event.begin, event.end);
-        frozen_.mark(*phase, event.begin, event.end);
-      }
+      for (imu::Pipeline* const pipeline : {&pipeline_, &frozen_})
+        pipeline->mark(tracker::step_named(event.kind), event.begin, event.end);
   }
   void add(const sensor::Sample& sample) {
     pipeline_.add(sample);

@@ -46,10 +46,11 @@ void Pipeline::forget(std::uint16_t sensor) {
   if (!s.calibration.complete) s.watch.forget();  // A hold across the exchange is invalid.
 }
 
-CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& lines, model::FeatureFrame& out) {
+std::optional<tracker::CalibrationEvent> Pipeline::tick(DeviceTime frame, const sensor::TimeLines& lines,
+                                                        model::FeatureFrame& out) {
   State& s = *state_;
   s.lines = &lines;
-  s.change = {};
+  s.change.reset();
   for (Channel& channel : s.channels) s.catch_up(channel);
   out.time = frame;
   out.head = Quat::Identity();
@@ -152,7 +153,7 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
     feature.has_accel = true;
   }
   s.lines = nullptr;
-  return std::exchange(s.change, {});
+  return std::exchange(s.change, std::nullopt);
 }
 
 void Pipeline::rest(DeviceTime begin, DeviceTime end) {

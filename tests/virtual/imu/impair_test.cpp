@@ -100,7 +100,7 @@ TEST(Impair, ThePipelineStillFindsTheSkinThroughABadNetwork) {
   const VirtualSession worse = impaired({.loss = 0.1, .jitter_ms = 10});
   imu::testing_head::ClockedPipeline pipeline(test::three_sensors());
   for (const take::Event& event : worse.events)
-    if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
+    pipeline.mark(tracker::step_named(event.kind), event.begin, event.end);
   const auto sites = test::three_sites();
   model::FeatureFrame frame;
   std::size_t tick = 0;
