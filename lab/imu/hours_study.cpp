@@ -91,9 +91,7 @@ constexpr std::size_t kSampledFrames = 20;
 using Weights = face::BlendshapeWeights;
 
 void put_rotation(const Quat& rotation, model::SensorFeature& feature) {
-  const Quat unit = canonical(rotation);
-  feature.rotation = {static_cast<float>(unit.w()), static_cast<float>(unit.x()),
-                      static_cast<float>(unit.y()), static_cast<float>(unit.z())};
+  feature.rotation = wxyz_of(canonical(rotation));
   feature.has_rotation = true;
 }
 

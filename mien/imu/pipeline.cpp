@@ -13,9 +13,7 @@ namespace {
 constexpr double kNewTilt_rad2 = 0.0076;
 
 void put_rotation(const Quat& q, model::SensorFeature& feature) {
-  const Quat unit = canonical(q);
-  feature.rotation = {static_cast<float>(unit.w()), static_cast<float>(unit.x()),
-                      static_cast<float>(unit.y()), static_cast<float>(unit.z())};
+  feature.rotation = wxyz_of(canonical(q));
   feature.has_rotation = true;
 }
 

@@ -82,12 +82,10 @@ Result<void> add_pose(std::string_view name, std::string_view values, ToldFace& 
       std::max({std::abs(px), std::abs(py), std::abs(pz)}) > static_cast<double>(kMostHead_m))
     return refuse_frame(ErrorCode::out_of_range, "its head is beyond its range");
   // Turns about +X, -Y and +Z are pitch down, yaw to the right and roll to the right.
-  const Quat turn = face::head_from_livelink(Vec3(-y, x, z) / kDegPerRad).normalized();
-  const auto part = [](double value) { return static_cast<float>(value); };
-  ToldHead head{.rotation = {part(turn.w()), part(turn.x()), part(turn.y()), part(turn.z())}};
+  ToldHead& head = face.head.emplace();
+  head.rotation = wxyz_of(face::head_from_livelink(Vec3(-y, x, z) / kDegPerRad).normalized());
   head.position_known = px != 0 || py != 0 || pz != 0;
-  if (head.position_known) head.position_m = {part(px), part(py), part(pz)};
-  face.head = head;
+  if (head.position_known) head.position_m = Vec3(px, py, pz).cast<float>();
   return {};
 }
 

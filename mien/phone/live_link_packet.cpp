@@ -110,9 +110,8 @@ ToldFace told_face(const std::array<float, face::kLiveLinkValueCount>& values) {
   const std::size_t count = count_of(face.set);
   for (std::size_t i = 0; i < count; ++i) face.weights[i] = std::clamp(values[i], 0.0F, 1.0F);
   const auto angle = [&](std::size_t i) { return static_cast<double>(values[count + i]); };
-  const Quat turn = face::head_from_livelink(Vec3(angle(0), angle(1), angle(2))).normalized();
-  const auto part = [](double x) { return static_cast<float>(x); };
-  face.head = ToldHead{.rotation = {part(turn.w()), part(turn.x()), part(turn.y()), part(turn.z())}};
+  const Vec3 turn_rad(angle(0), angle(1), angle(2));
+  face.head = ToldHead{.rotation = wxyz_of(face::head_from_livelink(turn_rad).normalized())};
   return face;
 }
 

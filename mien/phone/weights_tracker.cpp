@@ -36,12 +36,6 @@ void put_shapes(const InnerFace& inner, Provenance provenance, face::OutputFrame
   }
 }
 
-Quat rotation_of(const ToldHead& head) {
-  const auto& q = head.rotation;
-  return canonical(Quat(static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2]),
-                        static_cast<double>(q[3])));
-}
-
 struct Head {
   Quat rotation = Quat::Identity();
   float confidence = 0;
@@ -49,7 +43,7 @@ struct Head {
 };
 
 Head head_of(const ToldFace& face) {
-  return {rotation_of(*face.head), confidence_of(face.head->confidence, face.origin),
+  return {canonical(quat_of(face.head->rotation)), confidence_of(face.head->confidence, face.origin),
           face.head->position_known ? std::optional(face.head->position_m) : std::nullopt};
 }
 

@@ -209,7 +209,7 @@ void play(const Recording& recording, const Script& script, ClockedPipeline& pip
 }
 
 inline Quat rotation_of(const model::SensorFeature& feature) {
-  return Quat(feature.rotation[0], feature.rotation[1], feature.rotation[2], feature.rotation[3]);
+  return quat_of(feature.rotation);
 }
 
 }  // namespace mien::imu::testing_head
