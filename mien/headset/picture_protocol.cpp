@@ -18,10 +18,6 @@ constexpr sensor::EstimatedClockSettings kPictureClock = {.first_period = std::c
 
 }  // namespace
 
-Verdict PictureProtocol::receive(HostTime, sensor::Peer, std::span<const std::byte>, sensor::Inbox&) {
-  return Verdict::malformed;
-}
-
 std::optional<sensor::Sample> PictureProtocol::read(std::span<const std::byte> payload) {
   if (is_feature_record(payload)) {
     const auto record = parse_feature_record(payload);

@@ -32,14 +32,9 @@ class PictureProtocol final : public sensor::Protocol {
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override {
     return is_picture_packet(datagram);
   }
-  /// Malformed, always.
-  sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
-                          sensor::Inbox& inbox) override;
   sensor::Verdict receive_with_payload(HostTime arrival, sensor::Peer peer,
                                        std::span<const std::byte> datagram,
                                        std::span<const std::byte> payload, sensor::Inbox& inbox) override;
-  /// Nothing: cameras only send.
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
   struct Camera {

@@ -26,8 +26,6 @@ class IFacialMocapProtocol final : public sensor::Protocol {
   /// One more phone than there are places for is ignored.
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
-  /// Nothing: who is to be asked is named on the command line, and asked from there.
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
   struct Phone {

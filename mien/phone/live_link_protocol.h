@@ -36,8 +36,6 @@ class LiveLinkProtocol final : public sensor::Protocol {
   /// Another version's packet is ignored, and so is one more phone than there are places for.
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
-  /// Nothing: phones send to whom their user names.
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
   static constexpr std::size_t kSteps = 16;

@@ -10,10 +10,6 @@ bool SoundProtocol::recognises(std::span<const std::byte> datagram) const {
   return is_block(datagram);
 }
 
-Verdict SoundProtocol::receive(HostTime, sensor::Peer, std::span<const std::byte>, sensor::Inbox&) {
-  return Verdict::malformed;
-}
-
 Verdict SoundProtocol::receive_with_payload(HostTime, sensor::Peer, std::span<const std::byte> datagram,
                                             std::span<const std::byte> payload, sensor::Inbox& inbox) {
   const auto header = parse_header(datagram);

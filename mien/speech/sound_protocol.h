@@ -11,14 +11,9 @@ class SoundProtocol final : public sensor::Protocol {
  public:
   [[nodiscard]] std::string_view name() const override { return "sound"; }
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override;
-  /// Malformed, always.
-  sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
-                          sensor::Inbox& inbox) override;
   sensor::Verdict receive_with_payload(HostTime arrival, sensor::Peer peer,
                                        std::span<const std::byte> datagram,
                                        std::span<const std::byte> payload, sensor::Inbox& inbox) override;
-  /// Nothing: microphones only send.
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 };
 
 }  // namespace mien::speech
