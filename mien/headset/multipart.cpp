@@ -6,7 +6,6 @@
 
 #include "mien/core/ascii.h"
 #include "mien/core/bytes.h"
-#include "mien/headset/trimmed.h"
 
 namespace mien::headset {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "mien/core/ascii.h"
 #include "mien/core/excerpt.h"
-#include "mien/headset/trimmed.h"
 
 namespace mien::headset {
 namespace {

@@ -38,7 +38,6 @@
 #include "mien/sensor/rig_part.h"
 #include "mien/sensor/sealed_protocol.h"
 #include "mien/speech/listeners.h"
-#include "mien/speech/microphone_protocol.h"
 #include "mien/speech/sound_protocol.h"
 #include "mien/speech/speech_tracker.h"
 #include "mien/tracker/causal_tracker.h"

@@ -1,7 +1,5 @@
 #include "mien/phone/ifacialmocap_protocol.h"
 
-#include "mien/phone/face_readings.h"
-
 namespace mien::phone {
 
 using sensor::Verdict;

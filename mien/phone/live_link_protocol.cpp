@@ -4,8 +4,6 @@
 #include <cmath>
 #include <span>
 
-#include "mien/phone/face_readings.h"
-
 namespace mien::phone {
 using sensor::Verdict;
 
