@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "mien/gaze/eyes.h"
 #include "mien/gaze/osc_eyes.h"

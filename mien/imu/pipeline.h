@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <string_view>
-#include <vector>
 
 #include "mien/core/time.h"
 #include "mien/imu/calibration.h"

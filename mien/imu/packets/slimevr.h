@@ -163,8 +163,7 @@ struct Ping {
   bool operator==(const Ping&) const = default;
 };
 struct ServerFlags {
-  static constexpr std::uint8_t kBundle = 1;   ///< Understands bundles of type 100.
-  static constexpr std::uint8_t kCompact = 2;  ///< Understands types 101 and 23.
+  static constexpr std::uint8_t kBundle = 1;  ///< Understands bundles of type 100.
   std::uint8_t bits = 0;
   bool operator==(const ServerFlags&) const = default;
 };
