@@ -71,7 +71,7 @@ Verdict SlimeVrProtocol::receive(HostTime arrival, sensor::Peer peer, std::span<
   if (inbox.readings.size() > readings) return Verdict::taken;
   inbox.alive = DeviceKey{board->mac, 0};
   const bool used = inbox.batteries.size() > batteries || inbox.announcements.size() > announcements ||
-                    header->type == 0 || header->type == 4;
+                    header->type == slimevr::Heartbeat::kType || header->type == slimevr::Acceleration::kType;
   return used ? Verdict::taken : Verdict::ignored;
 }
 
