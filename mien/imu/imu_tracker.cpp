@@ -73,9 +73,7 @@ tracker::TickResult ImuTracker::tick(DeviceTime frame, const sensor::TimeLines& 
       static_cast<std::size_t>(std::ranges::count_if(features_.sensors, &model::SensorFeature::has_rotation));
   const bool begins = present == 0 && !pipeline_.calibration().complete;
   if (begins || model_ == nullptr) {
-    out = {};
-    out.time = frame;
-    out.provenance.fill(face::Provenance::neutral);
+    out = face::neutral_frame(frame);
     result.sensors_present = begins ? face_.size() : present;  // No loss before there was a calibration.
     return result;
   }

@@ -1,16 +1,13 @@
 #include "mien/speech/heard_track.h"
 
-#include <algorithm>
-
 namespace mien::speech {
 
 std::optional<Heard> HeardTrack::at(DeviceTime time) const {
-  const std::size_t kept = std::min(next_, kKept);
-  for (std::size_t back = 0; back < kept; ++back) {
-    const Heard& before = newest(back);
+  for (std::size_t back = 0; back < heard_.size(); ++back) {
+    const Heard& before = heard_[back];
     if (before.time > time) continue;
     if (back == 0) return before;
-    const Heard& after = newest(back - 1);
+    const Heard& after = heard_[back - 1];
     const auto share =
         static_cast<float>(to_seconds(time - before.time) / to_seconds(after.time - before.time));
     Heard between = before;

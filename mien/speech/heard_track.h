@@ -1,30 +1,23 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <optional>
 
+#include "mien/core/newest.h"
 #include "mien/speech/listener.h"
-
 namespace mien::speech {
 
 /// What a listener told lately, to be asked for any moment. No allocation.
 class HeardTrack {
  public:
   /// Times rise from call to call.
-  void push(const Heard& heard) { heard_[next_++ % kKept] = heard; }
-  void clear() { next_ = 0; }
+  void push(const Heard& heard) { heard_.push(heard); }
+  void clear() { heard_.clear(); }
   /// What was heard of the mouth at that time of the sound's clock: between two answers their mean by time,
   /// after the newest that one. None: nothing, or nothing so old.
   [[nodiscard]] std::optional<Heard> at(DeviceTime time) const;
 
  private:
-  /// Answers that are kept: a frame may be older than the newest.
-  static constexpr std::size_t kKept = 32;
-  [[nodiscard]] const Heard& newest(std::size_t back) const { return heard_[(next_ - 1 - back) % kKept]; }
-
-  std::array<Heard, kKept> heard_;
-  std::size_t next_ = 0;  // Answers so far.
+  Newest<Heard, 32> heard_;  // A frame may be older than the newest.
 };
 
 /// Whether somebody speaks, with hysteresis.
