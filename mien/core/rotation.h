@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <span>
+
 namespace mien {
 
 using Vec3 = Eigen::Vector3d;

@@ -10,6 +10,7 @@
 #include "mien/imu/prologue.h"
 #include "mien/sensor/rig.h"
 #include "mien/tracker/tracker.h"
+
 namespace mien::imu {
 
 /// Self-calibration: detects a still face, a nod and a shake in the frames of the 60 Hz grid, and calibrates

@@ -4,6 +4,7 @@
 
 #include "mien/core/newest.h"
 #include "mien/speech/listener.h"
+
 namespace mien::speech {
 
 /// What a listener told lately, to be asked for any moment. No allocation.
