@@ -16,7 +16,6 @@
 #include "mien/performer/lines.h"
 #include "mien/solve/region_tally.h"
 #include "mien/speech/articulator.h"
-#include "mien/speech/heard_track.h"
 #include "mien/speech/listener.h"
 #include "mien/speech/listeners.h"
 #include "mien/speech/sound_block.h"

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "mien/headset/feature_record.h"
-#include "mien/headset/picture_sample.h"
+#include "mien/headset/picture_statistics.h"
 
 namespace mien::headset {
 namespace {

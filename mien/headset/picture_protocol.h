@@ -12,7 +12,7 @@
 namespace mien::headset {
 
 /// Host side of cameras: pictures (headset/picture_packet.h), each with its JPEG or what was kept of it
-/// (FeatureRecord) as payload. Each becomes one sample of SampleKind::picture (headset/picture_sample.h),
+/// (FeatureRecord) as payload. Each becomes one sample of SampleKind::picture (headset/picture_statistics.h),
 /// whose payload that is. A packet without a payload, or with one that does not decode, is malformed.
 ///
 /// A sample's time is when the exposure ended: the camera's own, or, of a camera that tells none, an estimate

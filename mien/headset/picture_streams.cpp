@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "mien/headset/http_answer.h"
 #include "mien/headset/picture_packet.h"
-#include "mien/headset/response_head.h"
 
 namespace mien::headset {
 

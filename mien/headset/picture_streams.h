@@ -10,8 +10,8 @@
 
 #include "mien/core/bytes.h"
 #include "mien/core/time.h"
-#include "mien/headset/chunked_body.h"
 #include "mien/headset/etvr_frames.h"
+#include "mien/headset/http_answer.h"
 #include "mien/headset/jpeg_gate.h"
 #include "mien/headset/multipart.h"
 #include "mien/sensor/payload_stream.h"
