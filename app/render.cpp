@@ -16,7 +16,6 @@
 #include "app/performance.h"
 #include "mien/core/files.h"
 #include "mien/core/nearest_word.h"
-#include "mien/face/livelink_csv.h"
 #include "mien/face/profile_map.h"
 #include "mien/face/target_names.h"
 #include "mien/performer/named_pose.h"

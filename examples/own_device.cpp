@@ -30,7 +30,6 @@ struct JawProtocol final : sensor::Protocol {
     in.readings.push_back({.from = {1, 0}, .sample = {0, kOpening, number, time, false, 1, {opening}}});
     return sensor::Verdict::taken;
   }
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 };
 
 struct JawTracker final : tracker::Tracker {  // With nothing to calibrate.

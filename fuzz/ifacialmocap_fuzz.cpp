@@ -2,8 +2,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "mien/phone/ifacialmocap_frame.h"
-#include "mien/phone/ifacialmocap_protocol.h"
+#include "mien/phone/ifacialmocap.h"
 
 // What was accepted is sound, and goes through samples.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,8 +4,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "mien/phone/live_link_packet.h"
-#include "mien/phone/live_link_protocol.h"
+#include "mien/phone/live_link.h"
 
 // What was accepted is sound, and goes through samples.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

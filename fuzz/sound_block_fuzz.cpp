@@ -4,7 +4,6 @@
 #include <span>
 
 #include "fuzz/with_checksum.h"
-#include "mien/speech/microphone_protocol.h"
 #include "mien/speech/sound_block.h"
 #include "mien/speech/sound_protocol.h"
 

@@ -17,7 +17,7 @@
 
 #include "app/command.h"
 #include "mien/core/host_port.h"
-#include "mien/phone/live_link_protocol.h"
+#include "mien/phone/live_link.h"
 #include "mien/sink/live_link.h"
 #include "mien/virtual/headset/worn_headset.h"
 

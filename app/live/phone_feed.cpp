@@ -21,8 +21,8 @@
 #include "mien/core/host_port.h"
 #include "mien/face/ifacialmocap_request.h"
 #include "mien/live/name_lookup.h"
-#include "mien/phone/ifacialmocap_protocol.h"
-#include "mien/phone/live_link_protocol.h"
+#include "mien/phone/ifacialmocap.h"
+#include "mien/phone/live_link.h"
 #include "mien/phone/phone_mount.h"
 #include "mien/sink/live_link.h"
 

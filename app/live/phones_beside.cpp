@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "app/command.h"
-#include "mien/phone/ifacialmocap_protocol.h"
-#include "mien/phone/live_link_protocol.h"
+#include "mien/phone/ifacialmocap.h"
+#include "mien/phone/live_link.h"
 
 namespace mien::app {
 namespace {

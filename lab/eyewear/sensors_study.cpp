@@ -9,7 +9,7 @@
 #include "lab/eyewear/marker_capture.h"
 #include "lab/performance_count.h"
 #include "mien/core/units.h"
-#include "mien/eyewear/block_median.h"
+#include "mien/eyewear/ambient.h"
 #include "mien/eyewear/linearise.h"
 #include "mien/eyewear/marker_model.h"
 #include "mien/face/motion.h"

@@ -91,9 +91,7 @@ constexpr std::size_t kSampledFrames = 20;
 using Weights = face::BlendshapeWeights;
 
 void put_rotation(const Quat& rotation, model::SensorFeature& feature) {
-  const Quat unit = canonical(rotation);
-  feature.rotation = {static_cast<float>(unit.w()), static_cast<float>(unit.x()),
-                      static_cast<float>(unit.y()), static_cast<float>(unit.z())};
+  feature.rotation = wxyz_of(canonical(rotation));
   feature.has_rotation = true;
 }
 
@@ -182,10 +180,8 @@ class HoursPerformance {
 
   void mark(const std::vector<take::Event>& events) {
     for (const take::Event& event : events)
-      if (const auto phase = imu::phase_of(event.kind)) {
-        pipeline_.mark(*phase, event.begin, event.end);
-        frozen_.mark(*phase, event.begin, event.end);
-      }
+      for (imu::Pipeline* const pipeline : {&pipeline_, &frozen_})
+        pipeline->mark(tracker::step_named(event.kind), event.begin, event.end);
   }
   void add(const sensor::Sample& sample) {
     pipeline_.add(sample);

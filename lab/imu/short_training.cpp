@@ -167,10 +167,8 @@ std::vector<synthetic::ImuPerson> watched_in_lab(const dataset::Dataset& data, s
     Random noise = Random(seed).fork("lab noise", p);
     for (model::FeatureFrame& frame : people[p].features)
       for (model::SensorFeature& sensor : frame.sensors) {
-        const Quat clean(sensor.rotation[0], sensor.rotation[1], sensor.rotation[2], sensor.rotation[3]);
-        const Quat noisy = exp_rotation(noise.normal_vector(kLabNoiseRad)) * clean;
-        sensor.rotation = {static_cast<float>(noisy.w()), static_cast<float>(noisy.x()),
-                           static_cast<float>(noisy.y()), static_cast<float>(noisy.z())};
+        const Quat clean = quat_of(sensor.rotation);
+        sensor.rotation = wxyz_of(exp_rotation(noise.normal_vector(kLabNoiseRad)) * clean);
       }
   }
   return people;

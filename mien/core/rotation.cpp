@@ -31,6 +31,15 @@ Quat canonical(const Quat& q) {
   return unit;
 }
 
+std::array<float, 4> wxyz_of(const Quat& q) {
+  const Eigen::Quaternionf narrow = q.cast<float>();
+  return {narrow.w(), narrow.x(), narrow.y(), narrow.z()};
+}
+
+Quat quat_of(const std::array<float, 4>& wxyz) {
+  return Quat(double{wxyz[0]}, double{wxyz[1]}, double{wxyz[2]}, double{wxyz[3]});
+}
+
 double angle_between(const Quat& a, const Quat& b) {
   return log_rotation(a.conjugate() * b).norm();
 }

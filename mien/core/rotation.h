@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <span>
 
 namespace mien {
@@ -20,6 +21,10 @@ using Quat = Eigen::Quaterniond;
 
 /// The same rotation with w >= 0 and unit length: how quaternions leave this program.
 [[nodiscard]] Quat canonical(const Quat& q);
+
+/// As features and packets carry it: w, x, y, z.
+[[nodiscard]] std::array<float, 4> wxyz_of(const Quat& q);
+[[nodiscard]] Quat quat_of(const std::array<float, 4>& wxyz);
 
 /// The angle between two orientations, in [0, pi].
 [[nodiscard]] double angle_between(const Quat& a, const Quat& b);

@@ -1,13 +1,35 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include "mien/core/sliding_median.h"
 #include "mien/core/time.h"
-#include "mien/eyewear/block_median.h"
 #include "mien/sensor/sample.h"
 
 namespace mien::eyewear {
+
+/// Length of the published system's median filter, in samples: flashes that hit fewer than half of them
+/// (motion capture's strobes) leave no trace.
+inline constexpr std::size_t kMedianSamples = 10;
+
+/// Decimating median: one value for every ten consecutive ones (a sensor of 230 Hz gives 23 Hz), the mean of
+/// the middle two. No allocation.
+class BlockMedian {
+ public:
+  /// The median where `value` completes a block of ten; none otherwise.
+  std::optional<float> add(float value) {
+    const double median = median_.add(double{value});
+    if (median_.count() < kMedianSamples) return std::nullopt;
+    median_.reset();
+    return static_cast<float>(median);
+  }
+  /// Drops an unfinished block, as after a gap.
+  void reset() { median_.reset(); }
+
+ private:
+  SlidingMedian<kMedianSamples> median_;
+};
 
 /// Ambient light rejection for one photo-reflective sensor: the sliding median of the last ten differences
 /// LED on less LED off. The difference cancels ambient light, which hardly changes between the two; the

@@ -47,8 +47,6 @@ class EyewearProtocol final : public sensor::Protocol {
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override;
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
-  /// Nothing: eyewear only sends.
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
   static constexpr std::size_t kMaxTextCandidates = 512;

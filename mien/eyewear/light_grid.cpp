@@ -27,13 +27,13 @@ std::vector<std::string> photo_sensor_names(const sensor::Rig& rig) {
 
 void LightGrid::Track::reset() {
   filter_.reset();
-  next_ = 0;
+  lights_.clear();
   saturated_ = false;
 }
 
 void LightGrid::Track::add(const sensor::Sample& sample) {
-  if (next_ > 0) {
-    const Duration since = sample.time - light(0).time;
+  if (!lights_.empty()) {
+    const Duration since = sample.time - lights_[0].time;
     if (since < -AmbientFilter::kForget)
       reset();  // The board restarted.
     else if (since <= Duration::zero())
@@ -42,23 +42,22 @@ void LightGrid::Track::add(const sensor::Sample& sample) {
   saturated_ = sample.values[0] >= kFullScale;
   if (sample.values[1] >= kFullScale) return;
   const double light = std::max(filter_.add(sample), kDimmest);
-  lights_[next_ % kKept] = {sample.time, std::log(light)};
-  ++next_;
+  lights_.push({sample.time, std::log(light)});
 }
 
 std::optional<double> LightGrid::Track::at(DeviceTime time) const {
-  if (next_ == 0 || time - light(0).time > kSilence) return std::nullopt;
-  if (time >= light(0).time) return light(0).log_light;
-  for (std::size_t back = 1; back < std::min(next_, kKept); ++back) {
-    const Light& before = light(back);
+  if (lights_.empty() || time - lights_[0].time > kSilence) return std::nullopt;
+  if (time >= lights_[0].time) return lights_[0].log_light;
+  for (std::size_t back = 1; back < lights_.size(); ++back) {
+    const Light& before = lights_[back];
     if (before.time > time) continue;
-    const Light& after = light(back - 1);
+    const Light& after = lights_[back - 1];
     if (after.time - before.time > kSilence) return std::nullopt;  // In the middle of a gap.
     const double share = to_seconds(time - before.time) / to_seconds(after.time - before.time);
     return before.log_light + share * (after.log_light - before.log_light);
   }
   // Before the buffer: the first samples have just come, or the frame is very late.
-  const Light& oldest = light(std::min(next_, kKept) - 1);
+  const Light& oldest = lights_[lights_.size() - 1];
   return oldest.time - time > kSilence ? std::nullopt : std::optional(oldest.log_light);
 }
 

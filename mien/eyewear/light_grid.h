@@ -1,12 +1,12 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "mien/core/newest.h"
 #include "mien/core/time.h"
 #include "mien/eyewear/ambient.h"
 #include "mien/sensor/clock_model.h"
@@ -63,17 +63,13 @@ class LightGrid {
     [[nodiscard]] bool saturated() const { return saturated_; }
 
    private:
-    static constexpr std::size_t kKept = 64;  // Longer than a frame's latency at 1000 samples a second.
     struct Light {
       DeviceTime time;
       double log_light = 0;
     };
-    /// `back` samples before the newest.
-    [[nodiscard]] const Light& light(std::size_t back) const { return lights_[(next_ - 1 - back) % kKept]; }
 
     AmbientFilter filter_;
-    std::array<Light, kKept> lights_{};
-    std::size_t next_ = 0;  // Samples so far.
+    Newest<Light, 64> lights_;  // Longer than a frame's latency at 1000 samples a second.
     bool saturated_ = false;
   };
 

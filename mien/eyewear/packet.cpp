@@ -50,9 +50,7 @@ Result<Packet> parse_packet(std::span<const std::byte> bytes) {
   if (bytes.size() < kHeaderBytes + kChannelBytes + kChecksumBytes)
     return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kEyewearPacket);
   ByteReader reader(bytes);
-  MIEN_TRY_ASSIGN(const std::uint8_t type, sensor::read_packet_begin(reader, kEyewearPacket));
-  if (type != kTypeEyewear)
-    return fail(ErrorCode::unsupported, fmt::format("packet type {} is not eyewear's", type), kEyewearPacket);
+  MIEN_TRY(sensor::read_packet_begin(reader, kTypeEyewear, "not eyewear's", kEyewearPacket));
 
   Packet packet;
   packet.channels = reader.little<std::uint8_t>();

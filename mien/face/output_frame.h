@@ -39,4 +39,10 @@ struct OutputFrame {
   Provenance eyes_provenance = Provenance::neutral;
 };
 
+/// The neutral frame: weights 0, eyes straight ahead, head upright; confidence 0, provenance neutral.
+[[nodiscard]] inline OutputFrame neutral_frame(DeviceTime time) {
+  OutputFrame frame{.time = time};
+  frame.provenance.fill(Provenance::neutral);
+  return frame;
+}
 }  // namespace mien::face

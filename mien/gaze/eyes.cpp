@@ -1,6 +1,5 @@
 #include "mien/gaze/eyes.h"
 
-#include <cmath>
 #include <cstddef>
 
 namespace mien::gaze {

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "mien/gaze/eyes.h"
 #include "mien/gaze/osc_eyes.h"
@@ -39,8 +38,6 @@ class GazeProtocol final : public sensor::Protocol {
   /// OSC without an address of the table is ignored.
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
-  /// Nothing: trackers of gaze only send.
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
   static constexpr sensor::EstimatedClockSettings kOscClock = {

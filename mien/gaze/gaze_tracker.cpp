@@ -25,10 +25,9 @@ Result<std::unique_ptr<GazeTracker>> GazeTracker::create(const sensor::Rig& rig)
 }
 
 const GazeTracker::Seen* GazeTracker::Channel::at(DeviceTime time) const {
-  for (std::size_t back = 1; back <= std::min(next, samples.size()); ++back) {
-    const Seen& seen = samples[(next - back) % samples.size()];
-    if (seen.time <= time) return time - seen.time <= kPresent ? &seen : nullptr;
-  }
+  for (std::size_t back = 0; back < samples.size(); ++back)
+    if (const Seen& seen = samples[back]; seen.time <= time)
+      return time - seen.time <= kPresent ? &seen : nullptr;
   return nullptr;
 }
 
@@ -37,29 +36,27 @@ void GazeTracker::add(HostTime, const sensor::Sample& sample) {
   if (channel == channels_.end()) return;
   const auto eyes = eyes_of(sample);
   if (!eyes) return;
-  if (channel->next > 0) {
-    const Duration since = sample.time - channel->samples[(channel->next - 1) % channel->samples.size()].time;
+  if (!channel->samples.empty()) {
+    const Duration since = sample.time - channel->samples[0].time;
     if (since < -kRestart)
-      channel->next = 0;
+      channel->samples.clear();
     else if (since <= Duration::zero())
       return;  // Doubled, or out of order.
   }
-  channel->samples[channel->next++ % channel->samples.size()] = {sample.time, *eyes};
+  channel->samples.push({sample.time, *eyes});
 }
 
 void GazeTracker::forget(std::uint16_t sensor) {
   const auto channel = std::ranges::find(channels_, sensor, &Channel::sensor);
   if (channel == channels_.end()) return;
-  channel->next = 0;
+  channel->samples.clear();
   last_rad_.reset();
 }
 
 tracker::TickResult GazeTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
                                       face::OutputFrame& out) {
   tracker::TickResult result;
-  out = {};
-  out.time = frame;
-  out.provenance.fill(Provenance::neutral);
+  out = face::neutral_frame(frame);
   Eyes eyes;
   if (lines.ready())
     for (const Channel& channel : channels_) {

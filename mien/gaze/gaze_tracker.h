@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "mien/core/newest.h"
 #include "mien/gaze/eyes.h"
 #include "mien/sensor/rig.h"
 #include "mien/tracker/tracker.h"
@@ -36,11 +37,10 @@ class GazeTracker final : public tracker::Tracker {
     DeviceTime time;
     Eyes eyes;
   };
-  /// One sensor's newest samples, a ring: a frame may be older than the newest.
+  /// One sensor's newest samples: a frame may be older than the newest.
   struct Channel {
     std::uint16_t sensor = 0;
-    std::array<Seen, 32> samples;
-    std::size_t next = 0;
+    Newest<Seen, 32> samples;
     /// The newest that is not after `time`, nor older than kPresent before it; null for none.
     [[nodiscard]] const Seen* at(DeviceTime time) const;
   };

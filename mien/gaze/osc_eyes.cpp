@@ -29,90 +29,71 @@ enum class Meaning : std::uint8_t {
   pitch_yaw,  // Degrees, down and right; for each eye, or one for both.
   vector,     // Right, up, ahead; likewise.
 };
-constexpr unsigned kLeft = 1, kRight = 2, kBoth = 3;  // Bits of the eyes.
 
-struct Address {
+/// Addresses that tell the same of one eye, of the other, and of both.
+struct Addresses {
   Dialect dialect;
-  std::string_view name;
   Meaning meaning;
-  unsigned eyes;
+  std::array<std::string_view, 3> names;  // Left, right, both; empty: there is none.
   std::size_t numbers = 1;
 };
 
 constexpr std::array kAddresses = {
     // VRChat's documentation, "OSC Eye Tracking" (docs.vrchat.com/docs/osc-eye-tracking). EyeTrackVR sends
     // LeftRightVec and EyesClosedAmount (EyeTrackVR/EyeTrackVR, EyeTrackApp/osc/VRChatOSCSender.py).
-    Address{Dialect::native, "CenterPitchYaw", Meaning::pitch_yaw, kBoth, 2},
-    Address{Dialect::native, "CenterPitchYawDist", Meaning::pitch_yaw, kBoth, 3},
-    Address{Dialect::native, "CenterVec", Meaning::vector, kBoth, 3},
-    Address{Dialect::native, "CenterVecFull", Meaning::vector, kBoth, 3},
-    Address{Dialect::native, "LeftRightPitchYaw", Meaning::pitch_yaw, kBoth, 4},
-    Address{Dialect::native, "LeftRightVec", Meaning::vector, kBoth, 6},
-    Address{Dialect::native, "EyesClosedAmount", Meaning::closed, kBoth},
+    Addresses{Dialect::native, Meaning::pitch_yaw, {"", "", "CenterPitchYaw"}, 2},
+    Addresses{Dialect::native, Meaning::pitch_yaw, {"", "", "CenterPitchYawDist"}, 3},
+    Addresses{Dialect::native, Meaning::vector, {"", "", "CenterVec"}, 3},
+    Addresses{Dialect::native, Meaning::vector, {"", "", "CenterVecFull"}, 3},
+    Addresses{Dialect::native, Meaning::pitch_yaw, {"", "", "LeftRightPitchYaw"}, 4},
+    Addresses{Dialect::native, Meaning::vector, {"", "", "LeftRightVec"}, 6},
+    Addresses{Dialect::native, Meaning::closed, {"", "", "EyesClosedAmount"}},
     // benaclejames/VRCFaceTracking, VRCFaceTracking.Core/Params/Expressions/UnifiedExpressionsParameters.cs;
-    // of
-    // these EyeTrackVR sends Eye..., EyeLid... (same file as above).
-    Address{Dialect::v2, "EyeLeftX", Meaning::x, kLeft},
-    Address{Dialect::v2, "EyeLeftY", Meaning::y, kLeft},
-    Address{Dialect::v2, "EyeRightX", Meaning::x, kRight},
-    Address{Dialect::v2, "EyeRightY", Meaning::y, kRight},
-    Address{Dialect::v2, "EyeX", Meaning::x, kBoth},
-    Address{Dialect::v2, "EyeY", Meaning::y, kBoth},
-    Address{Dialect::v2, "EyeLidLeft", Meaning::lid_v2, kLeft},
-    Address{Dialect::v2, "EyeLidRight", Meaning::lid_v2, kRight},
-    Address{Dialect::v2, "EyeLid", Meaning::lid_v2, kBoth},
-    Address{Dialect::v2, "EyeOpenLeft", Meaning::openness, kLeft},
-    Address{Dialect::v2, "EyeOpenRight", Meaning::openness, kRight},
-    Address{Dialect::v2, "EyeOpen", Meaning::openness, kBoth},
-    Address{Dialect::v2, "EyeClosedLeft", Meaning::closed, kLeft},
-    Address{Dialect::v2, "EyeClosedRight", Meaning::closed, kRight},
-    Address{Dialect::v2, "EyeClosed", Meaning::closed, kBoth},
-    Address{Dialect::v2, "PupilDiameterLeft", Meaning::pupil, kLeft},
-    Address{Dialect::v2, "PupilDiameterRight", Meaning::pupil, kRight},
-    Address{Dialect::v2, "PupilDiameter", Meaning::pupil, kBoth},
+    // of these EyeTrackVR sends Eye..., EyeLid... (same file as above).
+    Addresses{Dialect::v2, Meaning::x, {"EyeLeftX", "EyeRightX", "EyeX"}},
+    Addresses{Dialect::v2, Meaning::y, {"EyeLeftY", "EyeRightY", "EyeY"}},
+    Addresses{Dialect::v2, Meaning::lid_v2, {"EyeLidLeft", "EyeLidRight", "EyeLid"}},
+    Addresses{Dialect::v2, Meaning::openness, {"EyeOpenLeft", "EyeOpenRight", "EyeOpen"}},
+    Addresses{Dialect::v2, Meaning::closed, {"EyeClosedLeft", "EyeClosedRight", "EyeClosed"}},
+    Addresses{Dialect::v2, Meaning::pupil, {"PupilDiameterLeft", "PupilDiameterRight", "PupilDiameter"}},
     // The same program's first parameters (its README); of these EyeTrackVR sends LeftEyeX, RightEyeX, EyesY
-    // and
-    // the lids' ExpandedSqueeze.
-    Address{Dialect::v1, "LeftEyeX", Meaning::x, kLeft},
-    Address{Dialect::v1, "LeftEyeY", Meaning::y, kLeft},
-    Address{Dialect::v1, "RightEyeX", Meaning::x, kRight},
-    Address{Dialect::v1, "RightEyeY", Meaning::y, kRight},
-    Address{Dialect::v1, "EyesX", Meaning::x, kBoth},
-    Address{Dialect::v1, "EyesY", Meaning::y, kBoth},
-    Address{Dialect::v1, "LeftEyeLid", Meaning::openness, kLeft},
-    Address{Dialect::v1, "RightEyeLid", Meaning::openness, kRight},
-    Address{Dialect::v1, "LeftEyeLidExpandedSqueeze", Meaning::lid_v1, kLeft},
-    Address{Dialect::v1, "RightEyeLidExpandedSqueeze", Meaning::lid_v1, kRight},
+    // and the lids' ExpandedSqueeze.
+    Addresses{Dialect::v1, Meaning::x, {"LeftEyeX", "RightEyeX", "EyesX"}},
+    Addresses{Dialect::v1, Meaning::y, {"LeftEyeY", "RightEyeY", "EyesY"}},
+    Addresses{Dialect::v1, Meaning::openness, {"LeftEyeLid", "RightEyeLid", ""}},
+    Addresses{Dialect::v1, Meaning::lid_v1, {"LeftEyeLidExpandedSqueeze", "RightEyeLidExpandedSqueeze", ""}},
     // Project-Babble/Baballonia, src/VRCFaceTracking.Baballonia/BabbleOSC.cs: with either first letter.
-    Address{Dialect::baballonia, "LeftEyeX", Meaning::x, kLeft},
-    Address{Dialect::baballonia, "LeftEyeY", Meaning::y, kLeft},
-    Address{Dialect::baballonia, "RightEyeX", Meaning::x, kRight},
-    Address{Dialect::baballonia, "RightEyeY", Meaning::y, kRight},
-    Address{Dialect::baballonia, "LeftEyeLid", Meaning::openness, kLeft},
-    Address{Dialect::baballonia, "RightEyeLid", Meaning::openness, kRight},
-    Address{Dialect::baballonia, "leftEyeX", Meaning::x, kLeft},
-    Address{Dialect::baballonia, "leftEyeY", Meaning::y, kLeft},
-    Address{Dialect::baballonia, "rightEyeX", Meaning::x, kRight},
-    Address{Dialect::baballonia, "rightEyeY", Meaning::y, kRight},
-    Address{Dialect::baballonia, "leftEyeLid", Meaning::openness, kLeft},
-    Address{Dialect::baballonia, "rightEyeLid", Meaning::openness, kRight},
+    Addresses{Dialect::baballonia, Meaning::x, {"LeftEyeX", "RightEyeX", ""}},
+    Addresses{Dialect::baballonia, Meaning::y, {"LeftEyeY", "RightEyeY", ""}},
+    Addresses{Dialect::baballonia, Meaning::openness, {"LeftEyeLid", "RightEyeLid", ""}},
+    Addresses{Dialect::baballonia, Meaning::x, {"leftEyeX", "rightEyeX", ""}},
+    Addresses{Dialect::baballonia, Meaning::y, {"leftEyeY", "rightEyeY", ""}},
+    Addresses{Dialect::baballonia, Meaning::openness, {"leftEyeLid", "rightEyeLid", ""}},
 };
 
-const Address* find(Dialect dialect, std::string_view name) {
-  const auto found = std::ranges::find_if(
-      kAddresses, [&](const Address& one) { return one.dialect == dialect && one.name == name; });
-  return found == kAddresses.end() ? nullptr : &*found;
+struct Found {
+  const Addresses* addresses = nullptr;  // None: an address of no table.
+  std::size_t eye = 0;                   // Place among its names.
+};
+
+Found find(Dialect dialect, std::string_view name) {
+  for (const Addresses& one : kAddresses) {
+    const auto place = std::ranges::find(one.names, name);
+    if (one.dialect == dialect && !name.empty() && place != one.names.end())
+      return {&one, static_cast<std::size_t>(place - one.names.begin())};
+  }
+  return {};
 }
 
 /// Avatars nest v2's parameters under any prefix: /avatar/parameters/FT/v2/EyeLeftX.
-const Address* find(std::string_view address) {
+Found find(std::string_view address) {
   if (address.starts_with(kTracking)) return find(Dialect::native, address.substr(kTracking.size()));
   if (!address.starts_with(kAvatar)) return find(Dialect::baballonia, address.substr(1));
   const std::string_view parameter = address.substr(kAvatar.size());
   constexpr std::string_view kV2 = "v2/";
   const std::size_t at = parameter.rfind(kV2);
   if (at == std::string_view::npos) return find(Dialect::v1, parameter);
-  if (at > 0 && parameter[at - 1] != '/') return nullptr;
+  if (at > 0 && parameter[at - 1] != '/') return {};
   return find(Dialect::v2, parameter.substr(at + kV2.size()));
 }
 
@@ -127,7 +108,7 @@ float share(double value) {
 class EyesListener final : public OscListener {
  public:
   Result<void> hear(const OscMessage& message) override {
-    const Address* const address = find(message.address);
+    const auto [address, which] = find(message.address);
     if (address == nullptr) {
       ++eyes.unknown;
       return {};
@@ -142,7 +123,7 @@ class EyesListener final : public OscListener {
       return fail(ErrorCode::out_of_range, "a number that is not finite", kOscEyes);
     ++eyes.known;
     for (std::size_t e = 0; e < 2; ++e) {
-      if ((address->eyes & (1U << e)) == 0) continue;
+      if (which == 1 - e) continue;  // Of the other eye alone.
       MIEN_TRY(say(*address, numbers, e, eyes.said[static_cast<std::size_t>(address->dialect)][e]));
     }
     return {};
@@ -151,7 +132,7 @@ class EyesListener final : public OscListener {
   OscEyes eyes;
 
  private:
-  static Result<void> say(const Address& address, std::span<const double> numbers, std::size_t eye,
+  static Result<void> say(const Addresses& address, std::span<const double> numbers, std::size_t eye,
                           SaidOfEye& out) {
     const double value = numbers[0];
     switch (address.meaning) {

@@ -1,7 +1,5 @@
 #include "mien/gaze/packet.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "mien/core/bytes.h"
@@ -58,9 +56,7 @@ bool is_packet(std::span<const std::byte> bytes) {
 Result<Packet> parse_packet(std::span<const std::byte> bytes) {
   MIEN_TRY(sensor::check_length(bytes.size(), kPacketBytes, kGazePacket));
   ByteReader reader(bytes);
-  MIEN_TRY_ASSIGN(const std::uint8_t type, sensor::read_packet_begin(reader, kGazePacket));
-  if (type != kTypeGaze)
-    return fail(ErrorCode::unsupported, fmt::format("packet type {} is not gaze's", type), kGazePacket);
+  MIEN_TRY(sensor::read_packet_begin(reader, kTypeGaze, "not gaze's", kGazePacket));
   MIEN_TRY(sensor::check_checksum(bytes, kGazePacket));
 
   Packet packet;

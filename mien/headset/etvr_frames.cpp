@@ -16,26 +16,11 @@ std::size_t length_in(std::uint64_t frame) {
 
 }  // namespace
 
-void EtvrFrames::restart() {
-  pictures_.end();
-  newest_ = 0;
-}
-
 std::optional<std::span<const std::byte>> EtvrFrames::read(std::span<const std::byte>& bytes) {
-  while (!bytes.empty()) {
-    if (pictures_.is_open()) {
-      if (const std::size_t run = pictures_.add_run(bytes); run > 0) {
-        bytes = bytes.subspan(run);
-        newest_ = 0;  // No FF is in it.
-        continue;
-      }
-    }
-    const std::byte byte = bytes.front();
-    bytes = bytes.subspan(1);
-    newest_ = newest_ << 8U | std::to_integer<std::uint64_t>(byte);
-    if ((newest_ & kFrameBits) == kFrame)
-      pictures_.begin(kPictureFirst, length_in(newest_));
-    else if (pictures_.is_open() && pictures_.add(byte))
+  while (const auto newest = pictures_.next(bytes)) {
+    if ((*newest & kFrameBits) == kFrame)
+      pictures_.begin(kPictureFirst, length_in(*newest));
+    else if (pictures_.is_open() && pictures_.add(static_cast<std::byte>(*newest)))
       return pictures_.picture();
   }
   return std::nullopt;

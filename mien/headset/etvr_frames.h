@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -17,7 +16,7 @@ namespace mien::headset {
 class EtvrFrames {
  public:
   /// The line was opened anew. What was open is broken.
-  void restart();
+  void restart() { pictures_.restart(); }
   /// Reads from the front of `bytes`, which is moved behind what was read: the next picture that is whole,
   /// valid until the next call; or none, when all was read.
   std::optional<std::span<const std::byte>> read(std::span<const std::byte>& bytes);
@@ -25,7 +24,6 @@ class EtvrFrames {
 
  private:
   PictureCollector pictures_;
-  std::uint64_t newest_ = 0;  // The last eight bytes, the newest lowest.
 };
 
 }  // namespace mien::headset

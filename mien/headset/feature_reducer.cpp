@@ -1,7 +1,6 @@
 #include "mien/headset/feature_reducer.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "mien/core/sha256.h"
 #include "mien/headset/feature_record.h"

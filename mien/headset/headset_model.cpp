@@ -2,9 +2,7 @@
 
 #include <functional>
 #include <future>
-#include <optional>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 

@@ -96,17 +96,14 @@ HeadsetTracker::HeadsetTracker(std::vector<HeadsetCamera> cameras, std::shared_p
   moment_.features.resize(model::kViews * count);
   condition_.resize(moment_condition(count));
   if (model_->memory() != nullptr) state_.emplace(*model_->memory());
-  for (HeadsetCamera& camera : cameras) {
-    Channel& channel = channels_.emplace_back();
-    channel.camera = std::move(camera);
-    channel.pictures.resize(Channel::kPictures);
-    for (Seen& seen : channel.pictures) seen.features.resize(count);
-  }
+  const Newest<Seen, 32> none(Seen{.features = std::vector<float>(count)});
+  for (HeadsetCamera& camera : cameras)
+    channels_.push_back({.camera = std::move(camera), .pictures = none, .frozen = {}});
 }
 
 const HeadsetTracker::Seen* HeadsetTracker::Channel::at(DeviceTime time) const {
-  for (std::size_t back = 1; back <= std::min(next, kPictures); ++back) {
-    const Seen& seen = pictures[(next - back) % kPictures];
+  for (std::size_t back = 0; back < pictures.size(); ++back) {
+    const Seen& seen = pictures[back];
     if (seen.time > time + kAhead) continue;
     return time - seen.time <= kPresent && !seen.frozen ? &seen : nullptr;
   }
@@ -129,16 +126,16 @@ void HeadsetTracker::add_with_payload(HostTime, const sensor::Sample& sample,
       record->count() != model_->network().architecture().features)
     return;
   const DeviceTime time = sample.time - channel->camera.half_exposure;
-  if (const Seen* const newest = channel->newest()) {
-    const Duration since = time - newest->time;
+  if (!channel->pictures.empty()) {
+    const Duration since = time - channel->pictures[0].time;
     if (since < -kBeganAnew) {
-      channel->next = 0;
+      channel->pictures.clear();
       channel->frozen.restart();
     } else if (since <= Duration::zero()) {
       return;  // Doubled, or out of order.
     }
   }
-  Seen& seen = channel->pictures[channel->next++ % Channel::kPictures];
+  Seen& seen = channel->pictures.push();
   seen.time = time;
   seen.frozen = channel->frozen.add(record->statistics.hash);
   for (std::size_t i = 0; i < seen.features.size(); ++i) seen.features[i] = record->feature(i);
@@ -147,7 +144,7 @@ void HeadsetTracker::add_with_payload(HostTime, const sensor::Sample& sample,
 void HeadsetTracker::forget(std::uint16_t sensor) {
   for (Channel& channel : channels_) {
     if (channel.camera.sensor != sensor) continue;
-    channel.next = 0;
+    channel.pictures.clear();
     channel.frozen.restart();
     // What a face at rest looks like is another camera's.
     in_force_.reset();
@@ -207,9 +204,7 @@ tracker::TickResult HeadsetTracker::tick(DeviceTime frame, const sensor::TimeLin
                                          face::OutputFrame& out) {
   static const RestFeatures kUnknown;
   tracker::TickResult result;
-  out = {};
-  out.time = frame;
-  out.provenance.fill(Provenance::neutral);
+  out = face::neutral_frame(frame);
   gather(frame, lines);
   result.sensors_present = static_cast<std::size_t>(std::ranges::count(moment_.present, true));
   end_rest(frame, result);

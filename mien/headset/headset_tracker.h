@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/core/newest.h"
 #include "mien/headset/answer.h"
 #include "mien/headset/confidence_gain.h"
 #include "mien/headset/feature_record.h"
@@ -87,16 +88,11 @@ class HeadsetTracker final : public tracker::Tracker {
     bool frozen = false;
     std::vector<float> features;
   };
-  /// One camera's newest pictures, a ring.
+  /// One camera's newest pictures.
   struct Channel {
-    static constexpr std::size_t kPictures = 32;
     HeadsetCamera camera;
-    std::vector<Seen> pictures;
-    std::size_t next = 0;
+    Newest<Seen, 32> pictures;
     FrozenPictures frozen;
-    [[nodiscard]] const Seen* newest() const {
-      return next == 0 ? nullptr : &pictures[(next - 1) % kPictures];
-    }
     /// The newest that is not later than kAhead after `time`; null where it is missing.
     [[nodiscard]] const Seen* at(DeviceTime time) const;
   };

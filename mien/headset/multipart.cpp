@@ -6,7 +6,6 @@
 
 #include "mien/core/ascii.h"
 #include "mien/core/bytes.h"
-#include "mien/headset/trimmed.h"
 
 namespace mien::headset {
 namespace {
@@ -39,8 +38,7 @@ std::optional<DeviceTime> parse_timestamp(std::string_view text) {
 }
 
 void MultipartReader::restart() {
-  pictures_.end();
-  newest_ = 0;
+  pictures_.restart();
   line_size_ = 0;
   time_.reset();
 }
@@ -70,25 +68,15 @@ void MultipartReader::read_lines_of_broken() {
 }
 
 std::optional<MultipartReader::Picture> MultipartReader::read(std::span<const std::byte>& bytes) {
-  while (!bytes.empty()) {
-    if (pictures_.is_open()) {
-      if (const std::size_t run = pictures_.add_run(bytes); run > 0) {
-        bytes = bytes.subspan(run);
-        newest_ = 0;  // No FF is in it.
-        continue;
-      }
-    }
-    const std::byte byte = bytes.front();
-    bytes = bytes.subspan(1);
-    newest_ = newest_ << 8U | std::to_integer<std::uint32_t>(byte);
+  while (const auto newest = pictures_.next(bytes)) {
     if (!pictures_.is_open()) {
-      if ((newest_ & 0xFFFFFFU) == kPictureBegins)
+      if ((*newest & 0xFFFFFFU) == kPictureBegins)
         pictures_.begin(kFirstBytes);
       else
-        add_to_line(static_cast<char>(byte));
+        add_to_line(static_cast<char>(*newest));
       continue;
     }
-    if (pictures_.add(byte)) {
+    if (pictures_.add(static_cast<std::byte>(*newest))) {
       line_size_ = 0;
       const auto time = time_;
       time_.reset();

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -40,7 +39,6 @@ class MultipartReader {
   void read_lines_of_broken();
 
   PictureCollector pictures_;
-  std::uint32_t newest_ = 0;  // The last bytes, the newest lowest.
   /// What is longer is no line that we need.
   std::array<char, 64> line_{};
   std::size_t line_size_ = 0;

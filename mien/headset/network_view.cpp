@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <utility>
 
 #include "mien/headset/grey_levels.h"
 #include "mien/headset/jpeg_gate.h"

@@ -31,6 +31,23 @@ bool PictureCollector::add(std::byte byte) {
   return true;
 }
 
+std::optional<std::uint64_t> PictureCollector::next(std::span<const std::byte>& bytes) {
+  if (open_) {
+    const std::size_t run = add_run(bytes);
+    bytes = bytes.subspan(run);
+    if (run > 0) newest_ = 0;  // No FF is in it.
+  }
+  if (bytes.empty()) return std::nullopt;
+  newest_ = newest_ << 8U | std::to_integer<std::uint64_t>(bytes.front());
+  bytes = bytes.subspan(1);
+  return newest_;
+}
+
+void PictureCollector::restart() {
+  end();
+  newest_ = 0;
+}
+
 std::size_t PictureCollector::add_run(std::span<const std::byte> next) {
   std::size_t count = walker_.coded_run(next);
   if (length_) count = size_ < *length_ ? std::min(count, *length_ - size_ - 1) : 0;

@@ -21,15 +21,14 @@ class PictureCollector {
   /// A picture begins, whose first bytes (FF D8 ...) were read already; it has exactly so many bytes where
   /// its stream says so. One that was open is broken.
   void begin(std::span<const std::byte> first, std::optional<std::size_t> length = {});
-  /// The stream is over, and so is what was open.
-  void end();
   /// The next byte of the open picture. True: it was the last, and picture() is whole. False and not open
   /// any more: it is broken or too long.
   bool add(std::byte byte);
-  /// Adds as many of the next bytes at once as cannot end the picture, and gives their number; 0: the next is
-  /// for add().
-  std::size_t add_run(std::span<const std::byte> next);
-
+  /// Takes the next byte from the front of `bytes` which may begin or end something, and gives the last
+  /// eight, the newest lowest; what cannot end the open picture is added to it before. None: all was taken.
+  std::optional<std::uint64_t> next(std::span<const std::byte>& bytes);
+  /// Another stream begins. What was open is broken.
+  void restart();
   [[nodiscard]] bool is_open() const { return open_; }
   /// What there is, and is kept, of the newest picture. Valid until the next is begun or one is added to.
   [[nodiscard]] std::span<const std::byte> picture() const {
@@ -38,10 +37,16 @@ class PictureCollector {
   [[nodiscard]] const sensor::StreamCounts& counts() const { return counts_; }
 
  private:
+  /// What was open is broken, or too long.
+  void end();
+  /// Adds as many of the next bytes at once as cannot end the picture, and gives their number.
+  std::size_t add_run(std::span<const std::byte> next);
+
   using Bytes = std::array<std::byte, sensor::kMaxPayload>;
   std::unique_ptr<Bytes> bytes_ = std::make_unique<Bytes>();
   std::size_t size_ = 0;  // Of what was added, more than is kept where it is too long.
   bool open_ = false;
+  std::uint64_t newest_ = 0;  // The last bytes that next() took.
   std::optional<std::size_t> length_;
   JpegWalker walker_;
   sensor::StreamCounts counts_;

@@ -2,8 +2,6 @@
 
 #include <turbojpeg.h>
 
-#include "mien/headset/jpeg_gate.h"
-
 namespace mien::headset {
 namespace {
 

@@ -8,7 +8,7 @@
 
 #include "mien/core/error.h"
 #include "mien/headset/grey_picture.h"
-#include "mien/headset/picture_fault.h"
+#include "mien/headset/jpeg_gate.h"
 
 namespace mien::headset {
 

@@ -1,7 +1,5 @@
 #include "mien/headset/picture_packet.h"
 
-#include <fmt/format.h>
-
 #include "mien/sensor/packet_envelope.h"
 
 namespace mien::headset {
@@ -21,10 +19,7 @@ bool is_picture_packet(std::span<const std::byte> bytes) {
 Result<PicturePacket> parse_picture_packet(std::span<const std::byte> bytes) {
   MIEN_TRY(sensor::check_length(bytes.size(), kPicturePacketBytes, kPicturePacket));
   ByteReader reader(bytes);
-  MIEN_TRY_ASSIGN(const std::uint8_t type, sensor::read_packet_begin(reader, kPicturePacket));
-  if (type != kTypePicture)
-    return fail(ErrorCode::unsupported, fmt::format("packet type {} is not a picture's", type),
-                kPicturePacket);
+  MIEN_TRY(sensor::read_packet_begin(reader, kTypePicture, "not a picture's", kPicturePacket));
   MIEN_TRY(sensor::check_checksum(bytes, kPicturePacket));
 
   PicturePacket packet;

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "mien/headset/feature_record.h"
-#include "mien/headset/picture_sample.h"
+#include "mien/headset/picture_statistics.h"
 
 namespace mien::headset {
 namespace {
@@ -17,10 +17,6 @@ constexpr sensor::EstimatedClockSettings kPictureClock = {.first_period = std::c
                                                           .max_period = std::chrono::milliseconds(120)};
 
 }  // namespace
-
-Verdict PictureProtocol::receive(HostTime, sensor::Peer, std::span<const std::byte>, sensor::Inbox&) {
-  return Verdict::malformed;
-}
 
 std::optional<sensor::Sample> PictureProtocol::read(std::span<const std::byte> payload) {
   if (is_feature_record(payload)) {

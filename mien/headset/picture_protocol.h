@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -13,7 +12,7 @@
 namespace mien::headset {
 
 /// Host side of cameras: pictures (headset/picture_packet.h), each with its JPEG or what was kept of it
-/// (FeatureRecord) as payload. Each becomes one sample of SampleKind::picture (headset/picture_sample.h),
+/// (FeatureRecord) as payload. Each becomes one sample of SampleKind::picture (headset/picture_statistics.h),
 /// whose payload that is. A packet without a payload, or with one that does not decode, is malformed.
 ///
 /// A sample's time is when the exposure ended: the camera's own, or, of a camera that tells none, an estimate
@@ -33,14 +32,9 @@ class PictureProtocol final : public sensor::Protocol {
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override {
     return is_picture_packet(datagram);
   }
-  /// Malformed, always.
-  sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
-                          sensor::Inbox& inbox) override;
   sensor::Verdict receive_with_payload(HostTime arrival, sensor::Peer peer,
                                        std::span<const std::byte> datagram,
                                        std::span<const std::byte> payload, sensor::Inbox& inbox) override;
-  /// Nothing: cameras only send.
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
   struct Camera {

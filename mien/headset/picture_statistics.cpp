@@ -1,9 +1,7 @@
 #include "mien/headset/picture_statistics.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <cstddef>
 #include <cstring>
 
 #include "mien/headset/grey_levels.h"

@@ -1,7 +1,10 @@
 #include "mien/headset/picture_streams.h"
 
+#include <algorithm>
+#include <tuple>
+
+#include "mien/headset/http_answer.h"
 #include "mien/headset/picture_packet.h"
-#include "mien/headset/response_head.h"
 
 namespace mien::headset {
 
@@ -16,6 +19,32 @@ std::span<const std::byte> PictureNumbering::packet_of(const sensor::StreamCount
   static_cast<void>(written);  // MultipartReader gives no time that is out of range.
   first_ = false;
   return packet_.bytes();
+}
+
+bool StreamGate::passes(std::span<const std::byte> jpeg) {
+  const auto header = check_jpeg(jpeg);
+  if (header) return true;
+  ++faults_[static_cast<std::size_t>(header.error())];
+  ++refused_;
+  return false;
+}
+
+sensor::StreamCounts StreamGate::counts(const sensor::StreamCounts& found) const {
+  sensor::StreamCounts counts = found;
+  counts.whole -= refused_;
+  counts.refused = refused_;
+  return counts;
+}
+
+std::vector<sensor::Refusal> StreamGate::refusals() const {
+  std::vector<sensor::Refusal> all;
+  for (std::size_t i = 0; i < faults_.size(); ++i)
+    if (faults_[i] > 0) all.push_back({name_of(static_cast<PictureFault>(i)), faults_[i]});
+  // The most frequent first, those of one count by their names.
+  std::ranges::sort(all, [](const sensor::Refusal& a, const sensor::Refusal& b) {
+    return std::tie(b.count, a.why) < std::tie(a.count, b.why);
+  });
+  return all;
 }
 
 MjpegStream::MjpegStream(sensor::DeviceKey camera) : numbering_(camera) {

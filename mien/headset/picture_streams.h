@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -9,10 +10,10 @@
 
 #include "mien/core/bytes.h"
 #include "mien/core/time.h"
-#include "mien/headset/chunked_body.h"
 #include "mien/headset/etvr_frames.h"
+#include "mien/headset/http_answer.h"
+#include "mien/headset/jpeg_gate.h"
 #include "mien/headset/multipart.h"
-#include "mien/headset/stream_gate.h"
 #include "mien/sensor/payload_stream.h"
 #include "mien/sensor/protocol.h"
 
@@ -31,6 +32,20 @@ class PictureNumbering {
   sensor::DeviceKey camera_;
   bool first_ = true;
   ByteWriter packet_;
+};
+
+/// Where a camera's connection is left by pictures that no session would decode (jpeg_gate.h), each counted
+/// by what is wrong with it. No allocation in passes().
+class StreamGate {
+ public:
+  [[nodiscard]] bool passes(std::span<const std::byte> jpeg);
+  /// `found`: what the stream was found to hold, its whole pictures before the gate.
+  [[nodiscard]] sensor::StreamCounts counts(const sensor::StreamCounts& found) const;
+  [[nodiscard]] std::vector<sensor::Refusal> refusals() const;
+
+ private:
+  std::array<std::uint64_t, kPictureFaults> faults_{};
+  std::uint64_t refused_ = 0;
 };
 
 /// A camera that answers GET with a multipart stream of pictures (docs/reference/protocol.md, type 15): the

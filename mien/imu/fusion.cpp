@@ -1,7 +1,6 @@
 #include "mien/imu/fusion.h"
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -239,12 +238,11 @@ void Fusion::estimate_bias(double dt_s, const Mat3& rotation, const Vec3& error_
   Mat3 observed;
   Vec3 error;
   Vec3 variance;
-  const bool rests = at_rest_ && settings_.rest_bias_estimation;
-  if (rests && (rest_expected_ || !on_skin_)) {
+  if (at_rest_ && (rest_expected_ || !on_skin_)) {
     observed = Mat3::Identity();
     error = rest_gyro_.value() - bias_;
     variance = Vec3::Constant(weight(settings_.bias_sigma_rest_rad_s));
-  } else if (!rests && settings_.motion_bias_estimation) {
+  } else if (!at_rest_) {
     for (Eigen::Index row = 0; row < 3; ++row) observed.row(row) = delayed.segment<3>(3 * row).transpose();
     error = -(observed * bias_);
     // The inclination correction of one step, as a rate, is the bias seen in the world's horizontal axes. The
@@ -272,60 +270,54 @@ void Fusion::fuse_mag(const Vec3& mag) {
   const Vec3 field = q_accel_ * (q_gyro_ * mag);
   MagState& m = mag_;
 
-  if (settings_.mag_disturbance_rejection) {
-    const Eigen::Vector2d current =
-        m.current.add(dt_s, Eigen::Vector2d(norm, -std::asin(std::clamp(field.y() / norm, -1.0, 1.0))));
-    m.norm = current.x();
-    m.dip = current.y();
-    const auto near = [this, &m](double other_norm, double other_dip) {
-      return std::abs(m.norm - other_norm) < settings_.mag_norm_tolerance * other_norm &&
-             std::abs(m.dip - other_dip) < settings_.mag_dip_tolerance_rad;
-    };
-    const double follow = gain(dt_s, settings_.mag_reference_tau_s);
-    if (near(m.reference_norm, m.reference_dip)) {
-      m.undisturbed_s += dt_s;
-      if (m.undisturbed_s >= settings_.mag_min_undisturbed_s) {
-        m.disturbed = false;
-        m.reference_norm += follow * (m.norm - m.reference_norm);
-        m.reference_dip += follow * (m.dip - m.reference_dip);
-      }
-    } else {
-      m.undisturbed_s = 0;
-      m.disturbed = true;
-    }
-    // Another homogeneous field, held while the sensor turns, becomes the new reference.
-    if (near(m.candidate_norm, m.candidate_dip)) {
-      if (last_rate_.norm() >= settings_.mag_new_min_gyro_rad_s) m.candidate_s += dt_s;
-      m.candidate_norm += follow * (m.norm - m.candidate_norm);
-      m.candidate_dip += follow * (m.dip - m.candidate_dip);
-      const bool first = m.reference_norm == 0;
-      if (m.disturbed && m.candidate_s >= (first ? settings_.mag_new_first_s : settings_.mag_new_s)) {
-        m.reference_norm = m.candidate_norm;
-        m.reference_dip = m.candidate_dip;
-        m.disturbed = false;
-        m.undisturbed_s = settings_.mag_min_undisturbed_s;
-      }
-    } else {
-      m.candidate_s = 0;
-      m.candidate_norm = m.norm;
-      m.candidate_dip = m.dip;
+  const Eigen::Vector2d current =
+      m.current.add(dt_s, Eigen::Vector2d(norm, -std::asin(std::clamp(field.y() / norm, -1.0, 1.0))));
+  m.norm = current.x();
+  m.dip = current.y();
+  const auto near = [this, &m](double other_norm, double other_dip) {
+    return std::abs(m.norm - other_norm) < settings_.mag_norm_tolerance * other_norm &&
+           std::abs(m.dip - other_dip) < settings_.mag_dip_tolerance_rad;
+  };
+  const double follow = gain(dt_s, settings_.mag_reference_tau_s);
+  if (near(m.reference_norm, m.reference_dip)) {
+    m.undisturbed_s += dt_s;
+    if (m.undisturbed_s >= settings_.mag_min_undisturbed_s) {
+      m.disturbed = false;
+      m.reference_norm += follow * (m.norm - m.reference_norm);
+      m.reference_dip += follow * (m.dip - m.reference_dip);
     }
   } else {
-    m.disturbed = false;
+    m.undisturbed_s = 0;
+    m.disturbed = true;
+  }
+  // Another homogeneous field, held while the sensor turns, becomes the new reference.
+  if (near(m.candidate_norm, m.candidate_dip)) {
+    if (last_rate_.norm() >= settings_.mag_new_min_gyro_rad_s) m.candidate_s += dt_s;
+    m.candidate_norm += follow * (m.norm - m.candidate_norm);
+    m.candidate_dip += follow * (m.dip - m.candidate_dip);
+    const bool first = m.reference_norm == 0;
+    if (m.disturbed && m.candidate_s >= (first ? settings_.mag_new_first_s : settings_.mag_new_s)) {
+      m.reference_norm = m.candidate_norm;
+      m.reference_dip = m.candidate_dip;
+      m.disturbed = false;
+      m.undisturbed_s = settings_.mag_min_undisturbed_s;
+    }
+  } else {
+    m.candidate_s = 0;
+    m.candidate_norm = m.norm;
+    m.candidate_dip = m.dip;
   }
 
   double k = gain(dt_s, settings_.tau_mag_s);
-  if (settings_.mag_disturbance_rejection) {
-    if (m.disturbed) {
-      if (m.rejected_s <= settings_.mag_max_rejection_s) {
-        m.rejected_s += dt_s;
-        k = 0;
-      } else {
-        k /= settings_.mag_rejection_factor;
-      }
+  if (m.disturbed) {
+    if (m.rejected_s <= settings_.mag_max_rejection_s) {
+      m.rejected_s += dt_s;
+      k = 0;
     } else {
-      m.rejected_s = std::max(0.0, m.rejected_s - settings_.mag_rejection_factor * dt_s);
+      k /= settings_.mag_rejection_factor;
     }
+  } else {
+    m.rejected_s = std::max(0.0, m.rejected_s - settings_.mag_rejection_factor * dt_s);
   }
   // The first readings are averaged: 1, 1/2, 1/3, ... until that is slower than the filter.
   if (m.start_gain > 0) {

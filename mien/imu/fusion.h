@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 
 #include "mien/core/rotation.h"
@@ -22,13 +21,6 @@ struct FusionSettings {
   /// packets). True: the mean rate over the step that ends there, as in recordings that number their samples
   /// and have no times.
   bool gyro_is_step_mean = false;
-  /// Whether gyroscope bias is estimated in motion (from inclination corrections) and at rest (from the
-  /// low-passed rate). Without both it stays 0.
-  bool motion_bias_estimation = true;
-  bool rest_bias_estimation = true;
-  /// Whether the heading is held while the magnetic field is disturbed (norm or dip off the reference).
-  /// False: every sample corrects the heading, and the mag_ settings below tau_mag_s have no effect.
-  bool mag_disturbance_rejection = true;
 
   /// Gyroscope bias: a Kalman filter of three states, sensor frame.
   /// Initial standard deviation of each axis, rad/s (1.5 deg/s, docs/method/fusion.md: small chips; VQF has

@@ -12,31 +12,6 @@ using tracker::Step;
 /// A blink is over, and a breath's sway averages out; whoever relaxes for longer begins to speak.
 constexpr Duration kRest = std::chrono::seconds(2);
 
-Phase to_phase(Step step) {
-  switch (step) {
-    case Step::nod:
-      return Phase::nod;
-    case Step::shake:
-      return Phase::shake;
-    case Step::none:
-    case Step::neutral:
-      break;
-  }
-  return Phase::neutral;
-}
-
-Step to_step(Phase phase) {
-  switch (phase) {
-    case Phase::neutral:
-      return Step::neutral;
-    case Phase::nod:
-      return Step::nod;
-    case Phase::shake:
-      return Step::shake;
-  }
-  return Step::none;
-}
-
 }  // namespace
 
 PipelineSettings ImuTracker::live_settings() {
@@ -68,16 +43,14 @@ tracker::TickResult ImuTracker::tick(DeviceTime frame, const sensor::TimeLines& 
   tracker::TickResult result;
   const auto report = [&](Event::Kind kind) { result.calibration.push_back({kind, modality(), {}}); };
 
-  const CalibrationChange change = pipeline_.tick(frame, lines, features_);
+  const std::optional<Event> change = pipeline_.tick(frame, lines, features_);
   result.rested = pipeline_.rested();
-  if (change.kind != CalibrationChange::Kind::none) {
-    report(change.kind == CalibrationChange::Kind::judged ? Event::Kind::judged : Event::Kind::calibrated);
-    for (const FoundPhase& found : change.found)
-      result.calibration.back().found.push_back({to_step(found.phase), found.begin, found.end});
+  if (change) {
+    report(change->kind);
+    result.calibration.back().found = change->found;
   }
   // The nod puts a calibration in force; one that fails its checks reaches no frame.
-  if (guided_until_ && change.kind != CalibrationChange::Kind::none && pipeline_.calibration().complete &&
-      !passes_checks()) {
+  if (guided_until_ && change && pipeline_.calibration().complete && !passes_checks()) {
     revert_guidance();
     report(Event::Kind::withdrawn);
     features_.sensors.assign(face_.size(), model::SensorFeature{});
@@ -100,9 +73,7 @@ tracker::TickResult ImuTracker::tick(DeviceTime frame, const sensor::TimeLines& 
       static_cast<std::size_t>(std::ranges::count_if(features_.sensors, &model::SensorFeature::has_rotation));
   const bool begins = present == 0 && !pipeline_.calibration().complete;
   if (begins || model_ == nullptr) {
-    out = {};
-    out.time = frame;
-    out.provenance.fill(face::Provenance::neutral);
+    out = face::neutral_frame(frame);
     result.sensors_present = begins ? face_.size() : present;  // No loss before there was a calibration.
     return result;
   }
@@ -131,7 +102,7 @@ void ImuTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
     wearer_before_ = wearer_;
     wearer_.score.reset();
   }
-  pipeline_.mark(to_phase(step), begin, end);
+  pipeline_.mark(step, begin, end);
   guided_until_ = guided_until_ ? std::max(*guided_until_, end) : end;
   asked_until_ = guided_until_;
   hint_ = {};
@@ -194,8 +165,7 @@ bool ImuTracker::passes_checks() {
 
 tracker::CalibrationState ImuTracker::calibration_state() const {
   tracker::CalibrationState state;
-  const std::optional<Phase> phase = pipeline_.phase();
-  state.step = phase ? to_step(*phase) : Step::none;
+  state.step = pipeline_.step();
   state.hint = pipeline_.hint().empty() ? hint_ : pipeline_.hint();
   if (guided_until_)
     state.phase = tracker::CalibrationState::Phase::guided;

@@ -9,28 +9,21 @@ constexpr Duration kHalfFrame{1'000'000'000 / 120};
 
 }  // namespace
 
-void OrientationTrack::add(const FusedSample& sample) {
-  entries_[count_ % kSize] = sample;
-  ++count_;
-}
-
 void OrientationTrack::drop_after(DeviceTime time) {
-  while (count_ > 0 && newest().time > time) --count_;
+  while (!samples_.empty() && newest().time > time) samples_.pop();
 }
 
 const FusedSample& OrientationTrack::reached(DeviceTime time) const {
-  const std::size_t size = std::min(count_, kSize);
   std::size_t i = 0;
-  while (i + 1 < size && back(i + 1).time >= time) ++i;
-  return back(i);
+  while (i + 1 < samples_.size() && samples_[i + 1].time >= time) ++i;
+  return samples_[i];
 }
 
 Vec3 OrientationTrack::force_around(DeviceTime time) const {
   Vec3 sum = Vec3::Zero();
   int n = 0;
-  const std::size_t size = std::min(count_, kSize);
-  for (std::size_t i = 0; i < size; ++i) {
-    const FusedSample& entry = back(i);
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const FusedSample& entry = samples_[i];
     if (entry.time < time - kHalfFrame) break;
     if (entry.time > time + kHalfFrame) continue;
     sum += entry.force_world_m_s2;
@@ -41,7 +34,7 @@ Vec3 OrientationTrack::force_around(DeviceTime time) const {
 
 std::optional<FusedSample> OrientationTrack::at(DeviceTime time, Duration silence,
                                                 Duration prediction) const {
-  if (count_ == 0) return std::nullopt;
+  if (samples_.empty()) return std::nullopt;
   FusedSample out = newest();
   if (time >= out.time) {
     const Duration ahead = time - out.time;
@@ -49,16 +42,15 @@ std::optional<FusedSample> OrientationTrack::at(DeviceTime time, Duration silenc
     out.orientation =
         out.orientation * exp_rotation(out.rate_rad_s * to_seconds(std::min(ahead, prediction)));
   } else {
-    const std::size_t size = std::min(count_, kSize);
     std::size_t i = 1;
-    while (i < size && back(i).time > time) ++i;
-    if (i == size) {
+    while (i < samples_.size() && samples_[i].time > time) ++i;
+    if (i == samples_.size()) {
       // Older than the buffer: the oldest sample is held backwards for `silence`.
-      out = back(size - 1);
+      out = samples_[samples_.size() - 1];
       if (out.time - time > silence) return std::nullopt;
     } else {
-      const FusedSample& before = back(i);
-      const FusedSample& after = back(i - 1);
+      const FusedSample& before = samples_[i];
+      const FusedSample& after = samples_[i - 1];
       if (after.time - before.time > silence) return std::nullopt;
       const double u = to_seconds(time - before.time) / to_seconds(after.time - before.time);
       out.orientation = before.orientation.slerp(u, after.orientation);

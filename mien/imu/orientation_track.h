@@ -1,10 +1,9 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 
+#include "mien/core/newest.h"
 #include "mien/core/rotation.h"
 #include "mien/core/time.h"
 
@@ -24,13 +23,13 @@ struct FusedSample {
 class OrientationTrack {
  public:
   /// Times rise from call to call.
-  void add(const FusedSample& sample);
-  void clear() { count_ = 0; }
+  void add(const FusedSample& sample) { samples_.push(sample); }
+  void clear() { samples_.clear(); }
   /// Drops the samples later than `time`, which are fused anew and added again: all of them, before at() and
   /// reached() are asked.
   void drop_after(DeviceTime time);
-  [[nodiscard]] bool empty() const { return count_ == 0; }
-  [[nodiscard]] const FusedSample& newest() const { return entries_[(count_ - 1) % kSize]; }
+  [[nodiscard]] bool empty() const { return samples_.empty(); }
+  [[nodiscard]] const FusedSample& newest() const { return samples_[0]; }
   /// The oldest sample at or after `time` that is still there; the newest where none is. Not empty.
   [[nodiscard]] const FusedSample& reached(DeviceTime time) const;
 
@@ -41,12 +40,9 @@ class OrientationTrack {
   [[nodiscard]] std::optional<FusedSample> at(DeviceTime time, Duration silence, Duration prediction) const;
 
  private:
-  static constexpr std::size_t kSize = 64;  // A quarter of a second at 240 Hz.
-  [[nodiscard]] const FusedSample& back(std::size_t i) const { return entries_[(count_ - 1 - i) % kSize]; }
   [[nodiscard]] Vec3 force_around(DeviceTime time) const;
 
-  std::array<FusedSample, kSize> entries_;
-  std::size_t count_ = 0;  // Samples since clear().
+  Newest<FusedSample, 64> samples_;  // A quarter of a second at 240 Hz.
 };
 
 }  // namespace mien::imu

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "mien/imu/pipeline_state.h"
@@ -14,9 +13,7 @@ namespace {
 constexpr double kNewTilt_rad2 = 0.0076;
 
 void put_rotation(const Quat& q, model::SensorFeature& feature) {
-  const Quat unit = canonical(q);
-  feature.rotation = {static_cast<float>(unit.w()), static_cast<float>(unit.x()),
-                      static_cast<float>(unit.y()), static_cast<float>(unit.z())};
+  feature.rotation = wxyz_of(canonical(q));
   feature.has_rotation = true;
 }
 
@@ -47,10 +44,11 @@ void Pipeline::forget(std::uint16_t sensor) {
   if (!s.calibration.complete) s.watch.forget();  // A hold across the exchange is invalid.
 }
 
-CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& lines, model::FeatureFrame& out) {
+std::optional<tracker::CalibrationEvent> Pipeline::tick(DeviceTime frame, const sensor::TimeLines& lines,
+                                                        model::FeatureFrame& out) {
   State& s = *state_;
   s.lines = &lines;
-  s.change = {};
+  s.change.reset();
   for (Channel& channel : s.channels) s.catch_up(channel);
   out.time = frame;
   out.head = Quat::Identity();
@@ -153,7 +151,7 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
     feature.has_accel = true;
   }
   s.lines = nullptr;
-  return std::exchange(s.change, {});
+  return std::exchange(s.change, std::nullopt);
 }
 
 void Pipeline::rest(DeviceTime begin, DeviceTime end) {

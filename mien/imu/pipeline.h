@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <string_view>
-#include <vector>
 
 #include "mien/core/time.h"
 #include "mien/imu/calibration.h"
@@ -20,33 +19,6 @@
 #include "mien/tracker/tracker.h"
 
 namespace mien::imu {
-
-/// Steps of the calibration prologue (docs/method/calibration.md).
-enum class Phase : std::uint8_t {
-  neutral,  ///< Face and head still, upright, looking ahead.
-  nod,      ///< Face still, the head nods; begins downwards.
-  shake,    ///< Face still, the head shakes about the vertical.
-};
-
-/// A phase found by self-calibration, [begin, end) on the reference sensor's clock.
-struct FoundPhase {
-  Phase phase;
-  DeviceTime begin, end;
-};
-
-/// The phase named by a take's event kind: "neutral", "nod", "shake"; none for any other.
-[[nodiscard]] std::optional<Phase> phase_of(std::string_view event_kind);
-
-/// Change of the calibration at a frame.
-struct CalibrationChange {
-  enum class Kind : std::uint8_t {
-    none,
-    calibrated,  ///< A guided phase or self-calibration put one in force.
-    judged,      ///< A shake scored the one in force.
-  };
-  Kind kind = Kind::none;
-  std::vector<FoundPhase> found;  ///< The phases of a self-calibration.
-};
 
 /// Settings of the pipeline. Defaults: docs/method/fusion.md, "Settings of the pipeline".
 struct PipelineSettings {
@@ -113,9 +85,9 @@ class Pipeline {
   Pipeline& operator=(Pipeline&&) noexcept;
   ~Pipeline();
 
-  /// A guided phase, [begin, end) on the reference sensor's clock; given before the tick of its begin. An
-  /// empty one is ignored.
-  void mark(Phase phase, DeviceTime begin, DeviceTime end);
+  /// A guided step of the prologue, [begin, end) on the reference sensor's clock; given before the tick of
+  /// its begin. An empty one, and Step::none, is ignored.
+  void mark(tracker::Step step, DeviceTime begin, DeviceTime end);
   /// Cancels guidance: the calibration in force before the first mark is restored.
   void cancel_marks();
   /// The performer rests on the frames [begin, end), as in the calibration's neutral: the first tick at or
@@ -141,15 +113,17 @@ class Pipeline {
   /// samples, or extrapolated, then held. Missing are sensors silent for longer than the limit, sensors too
   /// uncertain (unsure_rad), and all before a calibration. `out.sensors`: one entry a face sensor, in the
   /// rig's order: rotation E_i and acceleration, frame H. Samples of the profile "lab" need no calibration.
-  /// `lines`: every sensor's clock model, with all samples that were added.
-  CalibrationChange tick(DeviceTime frame, const sensor::TimeLines& lines, model::FeatureFrame& out);
+  /// `lines`: every sensor's clock model, with all samples that were added. Returns what became of the
+  /// calibration, if anything, without its modality; never withdrawn.
+  std::optional<tracker::CalibrationEvent> tick(DeviceTime frame, const sensor::TimeLines& lines,
+                                                model::FeatureFrame& out);
 
   /// The calibration in force; identity before one, and for the profile "lab".
   [[nodiscard]] const Calibration& calibration() const;
   /// The same with the present headings and the adhesive's creep in the neutrals: for restore().
   [[nodiscard]] Calibration calibration_now() const;
-  /// The guided phase in progress, or the one that self-calibration waits for; none otherwise.
-  [[nodiscard]] std::optional<Phase> phase() const;
+  /// The guided step in progress, or the one that self-calibration waits for; Step::none otherwise.
+  [[nodiscard]] tracker::Step step() const;
   /// Why self-calibration rejected the last nod; empty otherwise. A string literal.
   [[nodiscard]] std::string_view hint() const;
   /// Puts an earlier calibration in force. Headings of six-axis fusions are valid only within one session.

@@ -4,17 +4,15 @@
 #include "mien/imu/pipeline_state.h"
 
 namespace mien::imu {
+namespace {
 
-std::optional<Phase> phase_of(std::string_view event_kind) {
-  if (event_kind == "neutral") return Phase::neutral;
-  if (event_kind == "nod") return Phase::nod;
-  if (event_kind == "shake") return Phase::shake;
-  return std::nullopt;
-}
+using tracker::Step;
+
+}  // namespace
 
 void Pipeline::State::put_in_force(const Calibration& made) {
   calibration = made;
-  change.kind = CalibrationChange::Kind::calibrated;
+  change.emplace();
   changed_by_marks = true;
   watched = false;
   rest.reset();
@@ -32,13 +30,8 @@ void Pipeline::State::put_in_force(const Calibration& made) {
 
 void Pipeline::State::judge(const Calibration& made) {
   calibration.scores = made.scores;
-  if (change.kind == CalibrationChange::Kind::none) change.kind = CalibrationChange::Kind::judged;
+  if (!change) change.emplace().kind = tracker::CalibrationEvent::Kind::judged;
   changed_by_marks = true;
-}
-
-void Pipeline::State::add_found(Phase phase) {
-  const SelfCalibration::Span& span = watch.spans()[static_cast<std::size_t>(phase)];
-  if (span.end > span.begin) change.found.push_back({phase, span.begin, span.end});
 }
 
 void Pipeline::State::fill_prologue_frame(DeviceTime frame, const FusedSample& ear, bool only_fresh) {
@@ -67,12 +60,11 @@ void Pipeline::State::watch_for_calibration(DeviceTime frame, const std::optiona
       case SelfCalibration::Outcome::calibrated:
         put_in_force(watch.solution());
         watched = true;
-        add_found(Phase::neutral);
-        add_found(Phase::nod);
+        change->found.assign(watch.steps().begin(), watch.steps().begin() + 2);
         break;
       case SelfCalibration::Outcome::judged:
         judge(watch.solution());
-        add_found(Phase::shake);
+        change->found.push_back(watch.steps().back());
         break;
     }
   }
@@ -81,46 +73,46 @@ void Pipeline::State::watch_for_calibration(DeviceTime frame, const std::optiona
 
 void Pipeline::State::run_prologue(DeviceTime frame, const std::optional<FusedSample>& ear) {
   bool resting = false;
-  for (PhaseWindow& window : windows) {
+  for (StepWindow& window : windows) {
     if (frame < window.begin) continue;
     if (frame >= window.end) {
       if (!window.begun) continue;
       // A shake only adds its score: the tracked headings stay.
       const Calibration made = prologue.solve();
-      if (window.phase == Phase::shake && calibration.complete) {
+      if (window.step == Step::shake && calibration.complete) {
         judge(made);
-      } else if (window.phase == Phase::nod || !calibration.complete) {
+      } else if (window.step == Step::nod || !calibration.complete) {
         put_in_force(made);
       }
       continue;
     }
     if (!window.begun) {
       window.begun = true;
-      if (window.phase == Phase::neutral) prologue.begin_neutral();
-      if (window.phase == Phase::nod) prologue.begin_nod();
-      if (window.phase == Phase::shake) prologue.begin_shake();
+      if (window.step == Step::neutral) prologue.begin_neutral();
+      if (window.step == Step::nod) prologue.begin_nod();
+      if (window.step == Step::shake) prologue.begin_shake();
     }
-    resting = resting || window.phase == Phase::neutral;
+    resting = resting || window.step == Step::neutral;
     if (!ear) continue;
     // In the first half of the hold the gyroscopes' biases are still being estimated.
-    if (window.phase == Phase::neutral && frame < window.begin + (window.end - window.begin) / 2) continue;
+    if (window.step == Step::neutral && frame < window.begin + (window.end - window.begin) / 2) continue;
     fill_prologue_frame(frame, *ear, false);
-    if (window.phase == Phase::neutral) prologue.add_neutral(prologue_frame);
-    if (window.phase == Phase::nod) prologue.add_nod(prologue_frame);
-    if (window.phase == Phase::shake) prologue.add_shake(prologue_frame);
+    if (window.step == Step::neutral) prologue.add_neutral(prologue_frame);
+    if (window.step == Step::nod) prologue.add_nod(prologue_frame);
+    if (window.step == Step::shake) prologue.add_shake(prologue_frame);
   }
-  std::erase_if(windows, [frame](const PhaseWindow& window) { return frame >= window.end; });
+  std::erase_if(windows, [frame](const StepWindow& window) { return frame >= window.end; });
   for (Channel& channel : channels) channel.integration.fusion.expect_rest(resting);
 }
 
-void Pipeline::mark(Phase phase, DeviceTime begin, DeviceTime end) {
+void Pipeline::mark(Step step, DeviceTime begin, DeviceTime end) {
   State& s = *state_;
-  if (end <= begin) return;
+  if (end <= begin || step == Step::none) return;
   if (s.windows.empty()) {
     s.before_marks = calibration_now();
     s.changed_by_marks = false;
   }
-  s.windows.push_back({phase, begin, end, false});
+  s.windows.push_back({step, begin, end});
 }
 
 void Pipeline::cancel_marks() {
@@ -131,12 +123,11 @@ void Pipeline::cancel_marks() {
   for (Channel& channel : s.channels) channel.integration.fusion.expect_rest(false);
 }
 
-std::optional<Phase> Pipeline::phase() const {
+Step Pipeline::step() const {
   const State& s = *state_;
-  for (const PhaseWindow& window : s.windows)
-    if (window.begun) return window.phase;
-  if (s.self_calibrating()) return phase_of(s.watch.step());
-  return std::nullopt;
+  for (const StepWindow& window : s.windows)
+    if (window.begun) return window.step;
+  return s.self_calibrating() ? s.watch.step() : Step::none;
 }
 
 std::string_view Pipeline::hint() const {

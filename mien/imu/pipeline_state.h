@@ -20,9 +20,9 @@
 
 namespace mien::imu {
 
-/// A guided phase of the prologue, [begin, end) on the reference sensor's clock.
-struct PhaseWindow {
-  Phase phase;
+/// A guided step of the prologue, [begin, end) on the reference sensor's clock.
+struct StepWindow {
+  tracker::Step step;
   DeviceTime begin;
   DeviceTime end;
   bool begun = false;
@@ -86,8 +86,6 @@ struct Pipeline::State {
   void put_in_force(const Calibration& made);
   /// A shake scores the calibration in force, and changes nothing else.
   void judge(const Calibration& made);
-  /// Appends a phase found by self-calibration to `change`.
-  void add_found(Phase phase);
   [[nodiscard]] bool follows_drift() const {
     return settings.track_heading && !settings.magnetometer && calibration.complete;
   }
@@ -148,14 +146,14 @@ struct Pipeline::State {
   std::vector<Channel> channels;             // One a sensor of the rig.
   Prologue prologue;
   Prologue::Frame prologue_frame;
-  std::vector<PhaseWindow> windows;
+  std::vector<StepWindow> windows;
   SelfCalibration watch;
   bool watched = false;  // The calibration in force is a self-calibration.
   Calibration calibration;
-  CalibrationChange change;           // At the current frame.
-  Calibration before_marks;           // In force at the first mark, ...
-  bool changed_by_marks = false;      // ... and whether it has been replaced since.
-  Quat last_head = Quat::Identity();  // Of the last frame that had one.
+  std::optional<tracker::CalibrationEvent> change;  // At the current frame.
+  Calibration before_marks;                         // In force at the first mark, ...
+  bool changed_by_marks = false;                    // ... and whether it has been replaced since.
+  Quat last_head = Quat::Identity();                // Of the last frame that had one.
   DriftFilter drift;
   std::vector<NodWatch> nods;  // One a face sensor.
   std::optional<RestWindow> rest;

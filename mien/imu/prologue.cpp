@@ -1,7 +1,5 @@
 #include "mien/imu/prologue.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>

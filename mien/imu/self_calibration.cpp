@@ -57,20 +57,21 @@ SelfCalibration::SelfCalibration(const sensor::Rig& rig) : prologue_(rig), next_
   rates_.reserve(rig.sensors.size());
 }
 
-std::string_view SelfCalibration::step() const {
+tracker::Step SelfCalibration::step() const {
+  using tracker::Step;
   switch (state_) {
     case State::restless:
     case State::holding:
-      return hold_s_ < kMinHold_s ? "neutral" : "nod";
+      return hold_s_ < kMinHold_s ? Step::neutral : Step::nod;
     case State::nodding:
-      return "nod";
+      return Step::nod;
     case State::nodded:
     case State::shaking:
-      return "shake";
+      return Step::shake;
     case State::finished:
-      return "";
+      break;
   }
-  return "";
+  return Step::none;
 }
 
 void SelfCalibration::restart() {
@@ -82,7 +83,7 @@ void SelfCalibration::restart() {
 void SelfCalibration::forget() {
   restart();
   hint_ = {};
-  spans_ = {};
+  steps_ = kNoSteps;
   solution_ = {};
   last_.reset();
   head_rate_ = face_rate_ = 0;
@@ -105,11 +106,11 @@ void SelfCalibration::measure(const Prologue::Frame& frame, double dt_s) {
 void SelfCalibration::hold(DeviceTime time, const Prologue::Frame& frame, double dt_s) {
   if (hold_s_ == 0) {
     prologue_.begin_neutral();
-    spans_[0].begin = time - from_seconds(kStill_s);
+    steps_[0].begin = time - from_seconds(kStill_s);
   }
   prologue_.add_neutral(frame);
   hold_s_ += dt_s;
-  spans_[0].end = time;
+  steps_[0].end = time;
   hold_ear_ = frame.q_world_ear;
   if (hold_s_ < kMaxHold_s / 2) return;
   if (next_s_ < 0) {
@@ -121,19 +122,19 @@ void SelfCalibration::hold(DeviceTime time, const Prologue::Frame& frame, double
   if (hold_s_ < kMaxHold_s) return;
   prologue_ = next_;
   hold_s_ = next_s_;
-  spans_[0].begin = time - from_seconds(2 * hold_s_);
+  steps_[0].begin = time - from_seconds(2 * hold_s_);
   next_s_ = -1;
 }
 
 void SelfCalibration::begin_shake(DeviceTime time) {
   prologue_.begin_shake();
-  spans_[2].begin = time;
+  steps_[2].begin = time;
   segment_s_ = settled_s_ = 0;
   state_ = State::shaking;
 }
 
 SelfCalibration::Outcome SelfCalibration::end_nod(DeviceTime time) {
-  spans_[1].end = time;
+  steps_[1].end = time;
   const Calibration made = prologue_.solve();
   const auto valid = std::ranges::count_if(made.sensors, &SensorCalibration::valid);
   const auto headed = std::ranges::count_if(made.sensors, [](const SensorCalibration& sensor) {
@@ -142,7 +143,7 @@ SelfCalibration::Outcome SelfCalibration::end_nod(DeviceTime time) {
   if (made.complete && passes(made.scores, "neutral face") && passes(made.scores, "nod") &&
       passes(made.scores, "nod axis") && valid > 0 && 2 * headed >= valid) {
     solution_ = made;
-    spans_[2] = {time, time};
+    steps_[2].begin = steps_[2].end = time;
     state_ = State::nodded;
     segment_s_ = 0;
     hint_ = {};
@@ -191,7 +192,7 @@ SelfCalibration::Outcome SelfCalibration::add(DeviceTime time, const Prologue::F
           return Outcome::nothing;
         }
         prologue_.begin_nod();
-        spans_[1].begin = time;
+        steps_[1].begin = time;
         segment_s_ = settled_s_ = farthest_ = 0;
         state_ = State::nodding;
       } else if (still) {
@@ -236,7 +237,7 @@ SelfCalibration::Outcome SelfCalibration::add(DeviceTime time, const Prologue::F
       if (segment_s_ > kMaxGesture_s) state_ = State::finished;
       if (segment_s_ < kMinGesture_s || settled_s_ < kSettled_s) return Outcome::nothing;
       solution_.scores = prologue_.solve().scores;
-      spans_[2].end = time;
+      steps_[2].end = time;
       state_ = State::finished;
       return Outcome::judged;
 

@@ -9,6 +9,7 @@
 #include "mien/imu/calibration.h"
 #include "mien/imu/prologue.h"
 #include "mien/sensor/rig.h"
+#include "mien/tracker/tracker.h"
 
 namespace mien::imu {
 
@@ -32,8 +33,8 @@ class SelfCalibration {
   /// Resets everything: the ear sensor was replaced.
   void forget();
 
-  /// The step in progress or waited for: "neutral", "nod", "shake".
-  [[nodiscard]] std::string_view step() const;
+  /// The step in progress or waited for; none once finished.
+  [[nodiscard]] tracker::Step step() const;
   /// Why the last nod was rejected; empty otherwise. A string literal.
   [[nodiscard]] std::string_view hint() const { return hint_; }
   /// Whether the wearer may be holding still: for Fusion::expect_rest().
@@ -41,13 +42,13 @@ class SelfCalibration {
   /// True once the nod was accepted and the shake has come or its time has passed.
   [[nodiscard]] bool finished() const { return state_ == State::finished; }
 
-  struct Span {
-    DeviceTime begin, end;
-  };
-  /// Times of the steps of solution(): neutral, nod, shake (empty without one).
-  [[nodiscard]] const std::array<Span, 3>& spans() const { return spans_; }
+  /// The steps of solution(): neutral, nod, shake (empty without one).
+  using Steps = std::array<tracker::PerformedStep, 3>;
+  [[nodiscard]] const Steps& steps() const { return steps_; }
 
  private:
+  static constexpr Steps kNoSteps = {
+      {{tracker::Step::neutral, {}, {}}, {tracker::Step::nod, {}, {}}, {tracker::Step::shake, {}, {}}}};
   enum class State { restless, holding, nodding, nodded, shaking, finished };
   void measure(const Prologue::Frame& frame, double dt_s);
   void hold(DeviceTime time, const Prologue::Frame& frame, double dt_s);
@@ -58,7 +59,7 @@ class SelfCalibration {
   Prologue prologue_;  // With the current hold.
   Prologue next_;      // A later hold, which replaces one that lasts for minutes.
   Calibration solution_;
-  std::array<Span, 3> spans_{};
+  Steps steps_ = kNoSteps;
   State state_ = State::restless;
   std::string_view hint_;
   std::optional<DeviceTime> last_;

@@ -16,8 +16,6 @@ class MarkerProtocol final : public sensor::Protocol {
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override;
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
-  /// Nothing: servers expect no replies.
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 };
 
 }  // namespace mien::mocap

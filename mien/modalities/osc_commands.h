@@ -22,7 +22,6 @@ class OscCommands final : public sensor::Protocol {
   /// Ignored: a button that is released. Malformed: read_osc()'s errors; other arguments than those.
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 };
 
 }  // namespace mien::modalities

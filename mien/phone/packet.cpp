@@ -80,9 +80,7 @@ Result<Packet> parse_packet(std::span<const std::byte> bytes) {
     return fail(ErrorCode::truncated,
                 fmt::format("{} bytes, not {} or more", bytes.size(), kLeastPacketBytes), kWeightsPacket);
   ByteReader reader(bytes);
-  MIEN_TRY_ASSIGN(const std::uint8_t type, sensor::read_packet_begin(reader, kWeightsPacket));
-  if (type != kTypeWeights)
-    return fail(ErrorCode::unsupported, fmt::format("packet type {} is not weights'", type), kWeightsPacket);
+  MIEN_TRY(sensor::read_packet_begin(reader, kTypeWeights, "not weights'", kWeightsPacket));
 
   Packet packet;
   ToldFace& face = packet.face;

@@ -14,7 +14,6 @@
 #include <numbers>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "mien/core/median.h"

@@ -107,8 +107,7 @@ Signal skin_signal(std::span<const model::FeatureFrame> skin) {
     bool all = true;
     for (std::size_t u = 0; u < used.size(); ++u) {
       const model::SensorFeature& sensor = frame.sensors[used[u]];
-      const Quat q(double{sensor.rotation[0]}, double{sensor.rotation[1]}, double{sensor.rotation[2]},
-                   double{sensor.rotation[3]});
+      const Quat q = quat_of(sensor.rotation);
       all = all && sensor.has_rotation && q.coeffs().allFinite();
       if (all) out.rows.row(row).segment<3>(3 * static_cast<Index>(u)) = log_rotation(q).transpose();
     }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -46,9 +45,6 @@ struct TimeAlignment {
 
   [[nodiscard]] double to_phone_s(double sensors_s) const {
     return middle_s - offset_s + (sensors_s - middle_s) / (1 + 1e-6 * drift_ppm);
-  }
-  [[nodiscard]] double to_sensors_s(double phone_s) const {
-    return middle_s + (phone_s - (middle_s - offset_s)) * (1 + 1e-6 * drift_ppm);
   }
 };
 

@@ -8,7 +8,7 @@
 
 #include "mien/core/rotation.h"
 #include "mien/phone/shape_set.h"
-#include "mien/sensor/sample.h"
+#include "mien/sensor/protocol.h"
 
 namespace mien::phone {
 
@@ -76,5 +76,16 @@ std::size_t samples_of(const ToldFace& face, std::span<sensor::Sample, kMostPart
 /// Puts what one such sample says into a face: of its set, unless nothing of the face is told yet. False, and
 /// nothing is changed, for a sample of another kind or set, or with a number out of its range.
 bool add_sample(const sensor::Sample& sample, ToldFace& face);
+
+/// When a face was told: all its samples share it.
+struct ToldWhen {
+  std::uint32_t sequence = 0;
+  DeviceTime time;
+  bool estimated = false;  ///< The wire carries no time.
+};
+
+/// A sound face as readings of a device's first sensor; one of which nothing is told says that it is alive,
+/// one that is held that it sees no face.
+void add_readings(const ToldFace& face, std::uint64_t device, const ToldWhen& when, sensor::Inbox& inbox);
 
 }  // namespace mien::phone

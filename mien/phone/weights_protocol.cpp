@@ -1,6 +1,5 @@
 #include "mien/phone/weights_protocol.h"
 
-#include "mien/phone/face_readings.h"
 #include "mien/phone/packet.h"
 
 namespace mien::phone {

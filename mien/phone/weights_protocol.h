@@ -14,8 +14,6 @@ class WeightsProtocol final : public sensor::Protocol {
   /// Another version's packet is ignored.
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
-  /// Nothing: such programs only send.
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 };
 
 }  // namespace mien::phone

@@ -36,12 +36,6 @@ void put_shapes(const InnerFace& inner, Provenance provenance, face::OutputFrame
   }
 }
 
-Quat rotation_of(const ToldHead& head) {
-  const auto& q = head.rotation;
-  return canonical(Quat(static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2]),
-                        static_cast<double>(q[3])));
-}
-
 struct Head {
   Quat rotation = Quat::Identity();
   float confidence = 0;
@@ -49,7 +43,7 @@ struct Head {
 };
 
 Head head_of(const ToldFace& face) {
-  return {rotation_of(*face.head), confidence_of(face.head->confidence, face.origin),
+  return {canonical(quat_of(face.head->rotation)), confidence_of(face.head->confidence, face.origin),
           face.head->position_known ? std::optional(face.head->position_m) : std::nullopt};
 }
 
@@ -66,8 +60,8 @@ Result<std::unique_ptr<WeightsTracker>> WeightsTracker::create(const sensor::Rig
 
 WeightsTracker::Around WeightsTracker::Channel::around(DeviceTime time) const {
   Around found;
-  for (std::size_t back = 1; back <= std::min(next, faces.size()); ++back) {
-    const Seen& seen = faces[(next - back) % faces.size()];
+  for (std::size_t back = 0; back < faces.size(); ++back) {
+    const Seen& seen = faces[back];
     if (seen.time > time) {
       found.after = &seen;
       continue;
@@ -96,28 +90,28 @@ void WeightsTracker::Channel::place(const ToldHead& head) {
 void WeightsTracker::add(HostTime, const sensor::Sample& sample) {
   const auto channel = std::ranges::find(channels_, sample.sensor, &Channel::sensor);
   if (channel == channels_.end()) return;
-  const Seen* const newest = channel->newest();
+  Seen* const newest = channel->faces.empty() ? nullptr : &channel->faces[0];
   const Duration since = newest == nullptr ? Duration::max() : sample.time - newest->time;
   const bool same = newest != nullptr && since == Duration::zero() && newest->sequence == sample.sequence;
   if (!same && since <= Duration::zero() && since >= -kRestart) return;  // Doubled, or out of order.
   if (same) {
-    if (!add_sample(sample, channel->faces[(channel->next - 1) % channel->faces.size()].face)) return;
+    if (!add_sample(sample, newest->face)) return;
   } else {
     Seen seen{sample.time, sample.sequence, {}};
     if (!add_sample(sample, seen.face)) return;
     if (since < -kRestart) {
-      channel->next = 0;
+      channel->faces.clear();
       channel->begun_anew = channel->origin_m.has_value();
     }
-    channel->faces[channel->next++ % channel->faces.size()] = seen;
+    channel->faces.push(seen);
   }
-  if (sample.kind == sensor::SampleKind::head_pose) channel->place(*channel->newest()->face.head);
+  if (sample.kind == sensor::SampleKind::head_pose) channel->place(*channel->faces[0].face.head);
 }
 
 void WeightsTracker::forget(std::uint16_t sensor) {
   for (Channel& channel : channels_)
     if (channel.sensor == sensor) {
-      channel.next = 0;
+      channel.faces.clear();
       channel.origin_m.reset();
       channel.begun_anew = false;
     }
@@ -152,9 +146,7 @@ void WeightsTracker::put_head(const Around& around, const Channel& channel, face
 tracker::TickResult WeightsTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
                                          face::OutputFrame& out) {
   tracker::TickResult result;
-  out = {};
-  out.time = frame;
-  out.provenance.fill(Provenance::neutral);
+  out = face::neutral_frame(frame);
   if (!lines.ready()) return result;
   float tongue_confidence = -1;
   for (const Channel& channel : channels_) {

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "mien/core/newest.h"
 #include "mien/phone/inner_face.h"
 #include "mien/sensor/rig.h"
 #include "mien/tracker/tracker.h"
@@ -46,17 +46,13 @@ class WeightsTracker final : public tracker::Tracker {
     const Seen* after = nullptr;
     float share = 0;  // Of the way to `after`.
   };
-  /// One sensor's newest faces, a ring.
+  /// One sensor's newest faces.
   struct Channel {
     std::uint16_t sensor = 0;
-    std::array<Seen, 32> faces;
-    std::size_t next = 0;
+    Newest<Seen, 32> faces;
     std::optional<Vec3f> origin_m;  // What counts as position 0.
     Vec3f newest_m = Vec3f::Zero();
     bool begun_anew = false;  // The sender did, and its next position says where it is now.
-    [[nodiscard]] const Seen* newest() const {
-      return next == 0 ? nullptr : &faces[(next - 1) % faces.size()];
-    }
     /// `before` null: none within kPresent.
     [[nodiscard]] Around around(DeviceTime time) const;
     /// Takes a told position into account.

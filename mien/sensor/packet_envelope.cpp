@@ -39,6 +39,12 @@ Result<std::uint8_t> read_packet_begin(ByteReader& reader, const char* where) {
   return reader.little<std::uint8_t>();
 }
 
+Result<void> read_packet_begin(ByteReader& reader, std::uint8_t type, const char* other, const char* where) {
+  MIEN_TRY_ASSIGN(const std::uint8_t its, read_packet_begin(reader, where));
+  if (its == type) return {};
+  return fail(ErrorCode::unsupported, fmt::format("packet type {} is {}", its, other), where);
+}
+
 Result<void> check_checksum(std::span<const std::byte> packet, const char* where) {
   ByteReader checksum(packet.last(kChecksumBytes));
   if (checksum.little<std::uint32_t>() != crc32(packet.first(packet.size() - kChecksumBytes)))

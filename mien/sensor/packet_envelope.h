@@ -28,6 +28,10 @@ inline constexpr std::uint8_t kBatteryUnknown = 255;
 [[nodiscard]] std::optional<unsigned> unknown_packet_version(std::span<const std::byte> bytes);
 /// Reads the packet's beginning and gives its type. Errors: malformed (magic), unsupported (version).
 [[nodiscard]] Result<std::uint8_t> read_packet_begin(ByteReader& reader, const char* where);
+/// The same where it must be of this type; `other` says what another one is not. Errors: unsupported too
+/// (type).
+[[nodiscard]] Result<void> read_packet_begin(ByteReader& reader, std::uint8_t type, const char* other,
+                                             const char* where);
 /// Whether the packet ends with its checksum. Errors: malformed. It has kChecksumBytes or more.
 [[nodiscard]] Result<void> check_checksum(std::span<const std::byte> packet, const char* where);
 /// Errors: truncated, malformed (too long).

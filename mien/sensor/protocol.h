@@ -100,8 +100,13 @@ class Protocol {
   /// The version of a datagram that it recognises, where it is one that it does not know; none for any other.
   /// Of what says its version as our packets do this is done here. A pure function of the bytes.
   [[nodiscard]] virtual std::optional<unsigned> unknown_version(std::span<const std::byte> datagram) const;
-  /// Decodes one datagram. Appends to `inbox`. No allocation but for a device's first words.
-  virtual Verdict receive(HostTime arrival, Peer peer, std::span<const std::byte> datagram, Inbox& inbox) = 0;
+  /// Decodes one datagram. Appends to `inbox`. No allocation but for a device's first words. In a protocol
+  /// whose datagrams all have payloads one without is malformed.
+  virtual Verdict receive([[maybe_unused]] HostTime arrival, [[maybe_unused]] Peer peer,
+                          [[maybe_unused]] std::span<const std::byte> datagram,
+                          [[maybe_unused]] Inbox& inbox) {
+    return Verdict::malformed;
+  }
   /// The same of a datagram with a payload beside it: 1 to kMaxPayload bytes, valid during the call and as
   /// Reading::payload. Where the protocol has a Reducer it is the reduction, live and in a replay. In a
   /// protocol without payloads such a datagram is malformed.
@@ -116,9 +121,9 @@ class Protocol {
     Peer peer = 0;
     std::vector<std::byte> datagram;
   };
-  /// What is due to be said unasked (heartbeats); to be asked about ten times a second. Changes nothing that
-  /// receive() depends on.
-  virtual void heartbeats(HostTime now, std::vector<Outgoing>& out) = 0;
+  /// What is due to be said unasked (heartbeats), nothing to devices that only send; to be asked about ten
+  /// times a second. Changes nothing that receive() depends on.
+  virtual void heartbeats([[maybe_unused]] HostTime now, [[maybe_unused]] std::vector<Outgoing>& out) {}
 };
 
 }  // namespace mien::sensor

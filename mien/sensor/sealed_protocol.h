@@ -33,7 +33,6 @@ class SealedProtocol final : public Protocol {
   /// Any packet of ours: those that are not sealed are refused, not malformed.
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override;
   Verdict receive(HostTime arrival, Peer peer, std::span<const std::byte> datagram, Inbox& inbox) override;
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
   SealedProtocol(std::uint64_t session, std::vector<SealKey> keys,

@@ -153,7 +153,7 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
 
 void Session::shape(DeviceTime frame) {
   if (trackers_.empty()) {
-    frame_ = shaping::neutral_frame(frame);
+    frame_ = face::neutral_frame(frame);
     return;
   }
   sensors_present_ = shaper_.apply(trackers_.sources(), frame_);

@@ -6,13 +6,6 @@
 
 namespace mien::shaping {
 
-face::OutputFrame neutral_frame(DeviceTime time) {
-  face::OutputFrame frame;
-  frame.time = time;
-  frame.provenance.fill(face::Provenance::neutral);
-  return frame;
-}
-
 void mend(face::OutputFrame& frame, const face::OutputFrame& last) {
   const auto share = [](float x) { return std::isfinite(x) ? std::clamp(x, 0.0f, 1.0f) : 0.0f; };
   std::array<bool, face::kShapeRegionCount> whole{};

@@ -10,9 +10,6 @@ inline constexpr float kEyeAtMostRad = 1.5707964f;
 /// walk before what sees them.
 inline constexpr float kHeadAtMost_m = 10;
 
-/// The neutral frame: weights 0, eyes straight ahead, head upright; confidence 0, provenance neutral.
-[[nodiscard]] face::OutputFrame neutral_frame(DeviceTime time);
-
 /// Replaces invalid values: a weight, tongue, confidence, head, position or eye direction that is not finite,
 /// or a head that is no rotation, becomes that of `last`, with confidence 0 (that of its region too) and
 /// provenance held. Clamps weights and confidences to [0, 1], eyes to kEyeAtMostRad and the head's position

@@ -21,7 +21,7 @@ face::OutputFrame gone_on(const face::OutputFrame& before, const face::OutputFra
 }  // namespace
 
 Fallback::Fallback(const FallbackSettings& settings)
-    : before_(neutral_frame({})), shown_(neutral_frame({})), from_(neutral_frame({})) {
+    : before_(face::neutral_frame({})), shown_(face::neutral_frame({})), from_(face::neutral_frame({})) {
   set(settings);
 }
 

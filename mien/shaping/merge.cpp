@@ -87,7 +87,7 @@ void Merge::set(const MergeSettings& settings, const FallbackSettings& times, bo
 }
 
 void Merge::reset() {
-  const OutputFrame neutral = neutral_frame({});
+  const OutputFrame neutral = face::neutral_frame({});
   std::ranges::fill(history_, History{.last = neutral, .before = neutral, .earlier = neutral});
   answers_.fill(kNobody);
   leads_.fill(kNobody);
@@ -97,7 +97,7 @@ void Merge::reset() {
   gap_.fill(false);
   sensed_.fill(false);
   ease_out_.stop();
-  from_ = neutral_frame({});
+  from_ = face::neutral_frame({});
   begun_ = known_ = false;
 }
 

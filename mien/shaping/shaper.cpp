@@ -27,7 +27,7 @@ std::size_t take_out_audio(face::OutputFrame& frame, std::size_t sensors_present
 }  // namespace
 
 Shaper::Shaper(const ShaperSettings& settings, std::vector<std::string> modalities)
-    : last_(neutral_frame({})), merge_(std::move(modalities)) {
+    : last_(face::neutral_frame({})), merge_(std::move(modalities)) {
   set(settings);
 }
 
@@ -48,7 +48,7 @@ void Shaper::set(const ShaperSettings& settings) {
 
 void Shaper::reset() {
   begun_ = false;
-  last_ = neutral_frame({});
+  last_ = face::neutral_frame({});
   merge_.reset();
   fallback_.reset();
   resting_.reset();

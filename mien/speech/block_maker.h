@@ -1,10 +1,8 @@
 #pragma once
 
-#include <cstddef>
 #include <functional>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "mien/core/error.h"
 #include "mien/speech/sound_block.h"

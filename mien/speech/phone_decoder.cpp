@@ -4,7 +4,6 @@
 #include <pocketsphinx.h>
 
 #include <algorithm>
-#include <cmath>
 #include <deque>
 #include <string>
 #include <utility>

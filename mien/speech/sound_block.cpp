@@ -1,7 +1,5 @@
 #include "mien/speech/sound_block.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -20,9 +18,7 @@ const char* const kSoundBlock = "sound block";
 Result<BlockHeader> parse_begin(std::span<const std::byte> bytes, std::uint8_t type, std::size_t length) {
   MIEN_TRY(sensor::check_length(bytes.size(), length, kSoundBlock));
   ByteReader reader(bytes);
-  MIEN_TRY_ASSIGN(const std::uint8_t its, sensor::read_packet_begin(reader, kSoundBlock));
-  if (its != type)
-    return fail(ErrorCode::unsupported, fmt::format("packet type {} is no such sound", its), kSoundBlock);
+  MIEN_TRY(sensor::read_packet_begin(reader, type, "no such sound", kSoundBlock));
   MIEN_TRY(sensor::check_checksum(bytes, kSoundBlock));
   BlockHeader header;
   bool reserved = reader.little<std::uint16_t>() != 0;

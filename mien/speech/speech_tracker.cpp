@@ -59,9 +59,7 @@ void SpeechTracker::add_with_payload(HostTime, const sensor::Sample& sample,
 tracker::TickResult SpeechTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
                                         face::OutputFrame& out) {
   tracker::TickResult result{.hearing = tracker::TickResult::Hearing{}};
-  out = {};
-  out.time = frame;
-  out.provenance.fill(Provenance::neutral);
+  out = face::neutral_frame(frame);
   if (!lines.ready() || !last_block_) return result;
   const DeviceTime time = lines.from_line(sensor_, frame);
   if (time - *last_block_ > kPresent) {

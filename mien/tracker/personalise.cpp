@@ -210,7 +210,7 @@ std::vector<Frame> frames_of(std::span<const model::FeatureFrame> features,
     for (std::size_t s = 0; s < places.size(); ++s) {
       if (places[s] < 0) continue;
       const model::SensorFeature& measured = feature.sensors[static_cast<std::size_t>(places[s])];
-      const Quat q(measured.rotation[0], measured.rotation[1], measured.rotation[2], measured.rotation[3]);
+      const Quat q = quat_of(measured.rotation);
       if (!measured.has_rotation || !q.coeffs().allFinite()) continue;
       frame.turn.segment<3>(3 * static_cast<Index>(s)) = log_rotation(q);
       for (Index axis = 0; axis < 3; ++axis) frame.present.push_back(3 * static_cast<Index>(s) + axis);

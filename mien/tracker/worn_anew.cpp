@@ -42,14 +42,9 @@ void WornAnew::apply(model::FeatureFrame& frame) {
     if (feature.has_accel)
       feature.accel_m_s2 = (sensor.axes * feature.accel_m_s2.cast<double>()).cast<float>();
     if (!feature.has_rotation) continue;
-    const auto& q = feature.rotation;
-    const Vec3 turned =
-        sensor.axes *
-        (sensor.gain * log_rotation(Quat(double{q[0]}, double{q[1]}, double{q[2]}, double{q[3]})));
-    const Quat now =
-        canonical(exp_rotation(Vec3(0, sensor.heading_rad, 0)) * sensor.offset * exp_rotation(turned));
-    feature.rotation = {static_cast<float>(now.w()), static_cast<float>(now.x()), static_cast<float>(now.y()),
-                        static_cast<float>(now.z())};
+    const Vec3 turned = sensor.axes * (sensor.gain * log_rotation(quat_of(feature.rotation)));
+    feature.rotation = wxyz_of(
+        canonical(exp_rotation(Vec3(0, sensor.heading_rad, 0)) * sensor.offset * exp_rotation(turned)));
   }
 }
 

@@ -16,7 +16,7 @@
 #include "mien/performer/head_motion.h"
 #include "mien/performer/performer.h"
 #include "mien/performer/style.h"
-#include "mien/phone/live_link_protocol.h"
+#include "mien/phone/live_link.h"
 #include "mien/phone/phone_mount.h"
 #include "mien/sensor/bindings.h"
 #include "mien/sensor/rig_part.h"

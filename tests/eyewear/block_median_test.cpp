@@ -1,4 +1,4 @@
-#include "mien/eyewear/block_median.h"
+#include "mien/eyewear/ambient.h"
 
 #include <gtest/gtest.h>
 

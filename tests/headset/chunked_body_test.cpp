@@ -1,4 +1,4 @@
-#include "mien/headset/chunked_body.h"
+#include "mien/headset/http_answer.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "mien/core/random.h"
 #include "mien/headset/feature_record.h"
-#include "mien/headset/picture_sample.h"
+#include "mien/headset/picture_statistics.h"
 #include "tests/allocation_count.h"
 #include "tests/headset/small_jpeg.h"
 

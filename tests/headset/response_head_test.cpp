@@ -1,4 +1,4 @@
-#include "mien/headset/response_head.h"
+#include "mien/headset/http_answer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

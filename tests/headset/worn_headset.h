@@ -8,7 +8,7 @@
 
 #include "mien/headset/feature_reducer.h"
 #include "mien/headset/headset_tracker.h"
-#include "mien/headset/picture_sample.h"
+#include "mien/headset/picture_statistics.h"
 #include "mien/sensor/clock_model.h"
 #include "tests/headset/small_jpeg.h"
 #include "tests/headset/small_model.h"

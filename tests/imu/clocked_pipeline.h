@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "mien/imu/pipeline.h"
@@ -21,17 +22,17 @@ class ClockedPipeline : public Pipeline {
     lines_.forget(sensor);
     Pipeline::forget(sensor);
   }
-  CalibrationChange tick(DeviceTime frame, model::FeatureFrame& out) {
-    CalibrationChange change = Pipeline::tick(frame, lines_, out);
-    found_.insert(found_.end(), change.found.begin(), change.found.end());
+  std::optional<tracker::CalibrationEvent> tick(DeviceTime frame, model::FeatureFrame& out) {
+    auto change = Pipeline::tick(frame, lines_, out);
+    if (change) found_.insert(found_.end(), change->found.begin(), change->found.end());
     return change;
   }
-  /// All phases that watching found so far.
-  [[nodiscard]] const std::vector<FoundPhase>& found() const { return found_; }
+  /// All steps that watching found so far.
+  [[nodiscard]] const std::vector<tracker::PerformedStep>& found() const { return found_; }
 
  private:
   sensor::TimeLines lines_;
-  std::vector<FoundPhase> found_;
+  std::vector<tracker::PerformedStep> found_;
 };
 
 }  // namespace mien::imu::testing_head

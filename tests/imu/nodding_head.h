@@ -201,14 +201,15 @@ void play_unmarked(const Recording& recording, ClockedPipeline& pipeline, Seen&&
 /// The same with the script's steps marked.
 template <class Seen>
 void play(const Recording& recording, const Script& script, ClockedPipeline& pipeline, Seen&& seen) {
-  pipeline.mark(Phase::neutral, recording.ear_time(0.05), recording.ear_time(3.0));
-  pipeline.mark(Phase::nod, recording.ear_time(script.nod_begin), recording.ear_time(script.nod_end));
-  pipeline.mark(Phase::shake, recording.ear_time(script.shake_begin), recording.ear_time(script.shake_end));
+  pipeline.mark(tracker::Step::neutral, recording.ear_time(0.05), recording.ear_time(3.0));
+  pipeline.mark(tracker::Step::nod, recording.ear_time(script.nod_begin), recording.ear_time(script.nod_end));
+  pipeline.mark(tracker::Step::shake, recording.ear_time(script.shake_begin),
+                recording.ear_time(script.shake_end));
   play_unmarked(recording, pipeline, std::forward<Seen>(seen));
 }
 
 inline Quat rotation_of(const model::SensorFeature& feature) {
-  return Quat(feature.rotation[0], feature.rotation[1], feature.rotation[2], feature.rotation[3]);
+  return quat_of(feature.rotation);
 }
 
 }  // namespace mien::imu::testing_head

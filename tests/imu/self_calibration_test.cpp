@@ -35,7 +35,7 @@ struct Seen {
   double calibrated_at = -1;  // True time.
   double rms_deg = 0;         // Of the still face's skin from then on.
   std::string hint;
-  std::vector<FoundPhase> found;
+  std::vector<tracker::PerformedStep> found;
   Calibration calibration;
 };
 

@@ -8,8 +8,7 @@
 #include <string>
 
 #include "mien/face/profile.h"
-#include "mien/phone/live_link_packet.h"
-#include "mien/phone/live_link_protocol.h"
+#include "mien/phone/live_link.h"
 #include "tests/captured_packets.h"
 
 namespace mien::phone::test::captured_packets_test {

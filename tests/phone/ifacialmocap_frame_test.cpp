@@ -1,4 +1,4 @@
-#include "mien/phone/ifacialmocap_frame.h"
+#include "mien/phone/ifacialmocap.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "mien/phone/ifacialmocap_protocol.h"
+#include "mien/phone/ifacialmocap.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "mien/phone/live_link_protocol.h"
+#include "mien/phone/live_link.h"
 
 #include <gtest/gtest.h>
 

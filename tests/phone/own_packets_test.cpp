@@ -6,8 +6,8 @@
 #include "mien/core/random.h"
 #include "mien/core/units.h"
 #include "mien/face/ifacialmocap_request.h"
-#include "mien/phone/ifacialmocap_frame.h"
-#include "mien/phone/live_link_packet.h"
+#include "mien/phone/ifacialmocap.h"
+#include "mien/phone/live_link.h"
 #include "mien/sink/ifacialmocap.h"
 #include "mien/sink/live_link.h"
 

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "mien/phone/live_link_protocol.h"
+#include "mien/phone/live_link.h"
 #include "mien/sensor/bindings.h"
 
 namespace mien::phone::test::phone_mount_test {

@@ -94,7 +94,6 @@ TEST(TimeAlignment, FindsOffsetAndDriftAnywhere) {
     EXPECT_NEAR(found->drift_ppm, 40, 3 * found->drift_sigma_ppm + 1);
     EXPECT_LT(found->offset_sigma_s, 3e-3);
     EXPECT_GT(found->agreement, 0.8);
-    EXPECT_NEAR(found->to_sensors_s(found->to_phone_s(50)), 50, 1e-9);
     EXPECT_GE(found->blocks.size(), 4U);
     for (const AlignmentBlock& block : found->blocks) EXPECT_LT(std::abs(block.residual_s), 5e-3);
   }

@@ -27,7 +27,6 @@ class Language final : public Protocol {
     inbox.reply.assign(datagram.begin(), datagram.end());
     return Verdict::taken;
   }
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
   std::uint8_t type_, channel_;

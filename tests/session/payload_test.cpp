@@ -141,7 +141,6 @@ class Old final : public sensor::Protocol {
   Verdict receive(HostTime, sensor::Peer, std::span<const std::byte>, sensor::Inbox&) override {
     return Verdict::taken;
   }
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 };
 
 TEST(Payload, IsMalformedInAProtocolWithoutAny) {

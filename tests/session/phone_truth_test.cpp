@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "mien/phone/live_link_protocol.h"
+#include "mien/phone/live_link.h"
 #include "mien/sensor/bindings.h"
 #include "tests/phone/live_link_bytes.h"
 #include "tests/session/session_run.h"

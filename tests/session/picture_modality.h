@@ -63,7 +63,6 @@ class PictureProtocol final : public sensor::Protocol {
     reading.payload = payload;
     return reader.ok() && reader.left() == 0 ? sensor::Verdict::taken : sensor::Verdict::malformed;
   }
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 };
 
 /// The jaw is a checksum of the newest payload.

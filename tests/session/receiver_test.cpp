@@ -10,7 +10,7 @@
 
 #include "mien/imu/packets/packet.h"
 #include "mien/imu/packets/slimevr.h"
-#include "mien/phone/live_link_protocol.h"
+#include "mien/phone/live_link.h"
 #include "mien/sensor/bindings.h"
 #include "mien/session/command.h"
 #include "mien/session/replay.h"

@@ -18,7 +18,7 @@ TEST(Mend, ChangesNoBitOfAFrameThatIsWell) {
   for (int i = 0; i < 100; ++i) {
     const face::OutputFrame in = moving(i, random);
     face::OutputFrame out = in;
-    mend(out, neutral_frame({}));
+    mend(out, face::neutral_frame({}));
     EXPECT_TRUE(same_bits(in, out));
   }
 }
@@ -27,7 +27,7 @@ TEST(Mend, ARegionOfWhichAWeightIsNoNumberIsUnknown) {
   face::OutputFrame frame = measured(1, 0.6f);
   frame.region_confidence = {0.5f, kNan, 7, -1, 0.25f};
   frame.weights[face::shape("jawOpen")] = kNan;
-  mend(frame, neutral_frame({}));
+  mend(frame, face::neutral_frame({}));
   EXPECT_EQ(frame.region_confidence, (std::array<float, 5>{0.5f, 0, 1, 0, 0}));
 }
 
@@ -53,7 +53,7 @@ TEST(Mend, BringsWeightsIntoTheirRange) {
   face::OutputFrame frame = measured(1, 0.6f);
   frame.weights[3] = 1.2f;
   frame.weights[4] = -0.1f;
-  mend(frame, neutral_frame({}));
+  mend(frame, face::neutral_frame({}));
   EXPECT_EQ(frame.weights[3], 1.0f);
   EXPECT_EQ(frame.weights[4], 0.0f);
 }
@@ -96,16 +96,16 @@ TEST(Bound, HoldsTheRange) {
 }
 
 TEST(NeutralFrame, SaysThatItIsNeutral) {
-  const face::OutputFrame frame = neutral_frame(frame_time(3));
+  const face::OutputFrame frame = face::neutral_frame(frame_time(3));
   EXPECT_EQ(frame.time, frame_time(3));
   for (const face::Provenance p : frame.provenance) EXPECT_EQ(p, face::Provenance::neutral);
   EXPECT_EQ(frame.weights, face::BlendshapeWeights{});
 }
 
 TEST(BoundSteps, ALargeStepTakesTwoFramesAndASmallOneKeepsItsBits) {
-  face::OutputFrame before = neutral_frame(DeviceTime{});
+  face::OutputFrame before = face::neutral_frame(DeviceTime{});
   before.weights[3] = 0.1f;
-  face::OutputFrame frame = neutral_frame(DeviceTime(frame_offset(1)));
+  face::OutputFrame frame = face::neutral_frame(DeviceTime(frame_offset(1)));
   frame.weights[3] = 0.95f;
   frame.weights[4] = 0.4321f;
   frame.tongue_out = 1;

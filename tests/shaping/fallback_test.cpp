@@ -86,7 +86,7 @@ TEST(Fallback, HoldsThenEasesToNeutral) {
 
 TEST(Fallback, NeutralIsNotCalledHeld) {
   Fallback fallback;
-  face::OutputFrame frame = neutral_frame(frame_time(0));
+  face::OutputFrame frame = face::neutral_frame(frame_time(0));
   fallback.apply(frame, 2);
   frame = measured(1, 0.5f);
   fallback.apply(frame, 0);

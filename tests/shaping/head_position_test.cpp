@@ -64,7 +64,7 @@ TEST(HeadPosition, GoesWithTheHeadThroughMergeAndShaper) {
   double most = 0;
   OutputFrame out;
   const auto run = [&](int i, bool weights_there) {
-    OutputFrame imu = measured(i), weights = neutral_frame(frame_time(i));
+    OutputFrame imu = measured(i), weights = face::neutral_frame(frame_time(i));
     if (weights_there) {
       weights.head = exp_rotation({0, 0.2, 0});
       weights.head_confidence = 0.5F;
@@ -101,7 +101,7 @@ TEST(HeadPosition, StaysWhereItWasWhenAllIsLost) {
   Shaper shaper;
   OutputFrame out;
   for (int i = 0; i < 200; ++i) {
-    out = i < 30 ? standing_at(i, {0.5F, 0, 0}) : neutral_frame(frame_time(i));
+    out = i < 30 ? standing_at(i, {0.5F, 0, 0}) : face::neutral_frame(frame_time(i));
     shaper.apply(out, i < 30 ? 1 : 0);
   }
   EXPECT_EQ(out.head_provenance, Provenance::neutral);

@@ -19,7 +19,7 @@ const std::size_t kJaw = shape("jawOpen");
 
 /// Mouth and jaw as they sound while somebody speaks; else nothing.
 OutputFrame speech(std::int64_t index, float weight, bool speaks = true) {
-  OutputFrame frame = neutral_frame(frame_time(index));
+  OutputFrame frame = face::neutral_frame(frame_time(index));
   for (std::size_t k = 0; speaks && k < face::kShapeCount; ++k) {
     const bool heard = face::kShapeRegions[k] == face::ShapeRegion::mouth ||
                        face::kShapeRegions[k] == face::ShapeRegion::jaw;

@@ -36,7 +36,7 @@ OutputFrame glasses(std::int64_t index, float weight) {
 
 /// A tracker that has no calibration yet.
 OutputFrame uncalibrated(std::int64_t index) {
-  return neutral_frame(frame_time(index));
+  return face::neutral_frame(frame_time(index));
 }
 
 /// The merged frame of IMUs and glasses, and how many sensors stand behind it.

@@ -1,5 +1,4 @@
 // Blocks of sound that a microphone on the network sends.
-#include "mien/speech/microphone_protocol.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

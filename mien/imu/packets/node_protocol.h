@@ -33,8 +33,6 @@ class NodeProtocol final : public sensor::Protocol {
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override;
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
-  /// Nothing: nodes send first.
-  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
   explicit NodeProtocol(NodeProtocolSettings settings) : settings_(std::move(settings)) {}

@@ -112,9 +112,7 @@ Result<Packet> parse_packet(std::span<const std::byte> bytes) {
   if (bytes.size() < kImuHeaderBytes + kChecksumBytes)
     return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kImuPacket);
   ByteReader reader(bytes);
-  MIEN_TRY_ASSIGN(const std::uint8_t type, sensor::read_packet_begin(reader, kImuPacket));
-  if (type != kTypeImu)
-    return fail(ErrorCode::unsupported, fmt::format("packet type {} is not IMU's", type), kImuPacket);
+  MIEN_TRY(sensor::read_packet_begin(reader, kTypeImu, "not IMU's", kImuPacket));
 
   Packet packet;
   packet.kind = static_cast<SampleKind>(reader.little<std::uint8_t>());

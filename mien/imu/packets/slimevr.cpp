@@ -4,31 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <string_view>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 
 namespace mien::imu::slimevr {
 namespace {
 
-// Message types on the wire, tracker to server.
-constexpr std::uint32_t kHeartbeat = 0;
+// Further types on the wire, tracker to server: older rotations, and what holds other messages.
 constexpr std::uint32_t kRotationOf0 = 1;
-constexpr std::uint32_t kHandshake = 3;
-constexpr std::uint32_t kAcceleration = 4;
-constexpr std::uint32_t kPong = 10;
-constexpr std::uint32_t kBattery = 12;
-constexpr std::uint32_t kTap = 13;
-constexpr std::uint32_t kError = 14;
-constexpr std::uint32_t kSensorInfo = 15;
 constexpr std::uint32_t kRotationOf1 = 16;
-constexpr std::uint32_t kRotation = 17;
-constexpr std::uint32_t kMagnetometerAccuracy = 18;
-constexpr std::uint32_t kSignalStrength = 19;
-constexpr std::uint32_t kTemperature = 20;
-constexpr std::uint32_t kUserAction = 21;
-constexpr std::uint32_t kFeatureFlags = 22;
-constexpr std::uint32_t kRotationAndAcceleration = 23;
-constexpr std::uint32_t kConfigAck = 24;
 constexpr std::uint32_t kBundle = 100;
 constexpr std::uint32_t kCompactBundle = 101;
 // Server to tracker.
@@ -119,16 +106,38 @@ Handshake read_handshake(ByteReader& reader) {
   return handshake;
 }
 
-SensorInfo read_sensor_info(ByteReader& reader) {
-  SensorInfo info;
-  info.sensor = reader.big<std::uint8_t>();
-  info.state = reader.big<std::uint8_t>();
-  info.imu = optional_big<std::uint8_t>(reader);
-  info.config = optional_big<std::uint16_t>(reader);
-  info.calibrated = optional_big<std::uint8_t>(reader);
-  info.position = optional_big<std::uint8_t>(reader);
-  info.data_type = optional_big<std::uint8_t>(reader);
-  return info;
+/// The fields of messages whose fields stand one after the other, in the order of the wire.
+struct Fields {
+  static auto of(Heartbeat&) { return std::tie(); }
+  static auto of(Acceleration& m) { return std::tie(m.m_s2, m.sensor); }
+  static auto of(Pong& m) { return std::tie(m.id); }
+  static auto of(Battery& m) { return std::tie(m.volts, m.level); }
+  static auto of(Tap& m) { return std::tie(m.sensor, m.value); }
+  static auto of(SensorError& m) { return std::tie(m.sensor, m.code); }
+  static auto of(SensorInfo& m) {
+    return std::tie(m.sensor, m.state, m.imu, m.config, m.calibrated, m.position, m.data_type);
+  }
+  static auto of(Rotation& m) { return std::tie(m.sensor, m.data_type, m.xyzw, m.accuracy); }
+  static auto of(MagnetometerAccuracy& m) { return std::tie(m.sensor, m.accuracy); }
+  static auto of(SignalStrength& m) { return std::tie(m.sensor, m.dbm); }
+  static auto of(Temperature& m) { return std::tie(m.sensor, m.celsius); }
+  static auto of(UserAction& m) { return std::tie(m.action); }
+  static auto of(ConfigAck& m) { return std::tie(m.sensor, m.what); }
+};
+
+/// Reads a message of plain numbers; older firmware may omit those behind the first `least`.
+template <class Message>
+Result<TrackerMessage> read_numbers(ByteReader& reader, std::size_t least = 2) {
+  Message message;
+  std::size_t place = 0;
+  bool all_finite = true;
+  const auto read = [&]<class T>(T& field) {
+    field = place++ < least ? reader.big<T>() : optional_big<T>(reader);
+    if constexpr (std::floating_point<T>) all_finite = all_finite && std::isfinite(field);
+  };
+  std::apply([&](auto&... fields) { (read(fields), ...); }, Fields::of(message));
+  if (!all_finite) return fail(ErrorCode::out_of_range, "a number that is not finite", kSlimeVrPacket);
+  return message;
 }
 
 FeatureFlags read_flags(ByteReader& reader) {
@@ -141,19 +150,19 @@ FeatureFlags read_flags(ByteReader& reader) {
 /// Reads a message; the caller detects truncation.
 Result<TrackerMessage> read_fields(std::uint32_t type, ByteReader& reader) {
   switch (type) {
-    case kHeartbeat:
+    case Heartbeat::kType:
       return Heartbeat{};
-    case kHandshake:
+    case Handshake::kType:
       return read_handshake(reader);
-    case kAcceleration: {
+    case Acceleration::kType: {
       Acceleration a;
       MIEN_TRY_ASSIGN(a.m_s2, bounded(floats<3>(reader)));
       a.sensor = optional_big<std::uint8_t>(reader);  // Phones omit it.
       return a;
     }
-    case kPong:
-      return Pong{reader.big<std::uint32_t>()};
-    case kBattery: {
+    case Pong::kType:
+      return read_numbers<Pong>(reader);
+    case Battery::kType: {
       Battery b;
       MIEN_TRY_ASSIGN(b.volts, finite(reader.big<float>()));
       if (reader.left() == 0) {  // Old firmware sends the level alone.
@@ -163,49 +172,34 @@ Result<TrackerMessage> read_fields(std::uint32_t type, ByteReader& reader) {
       }
       return b;
     }
-    case kTap: {
-      Tap t{.sensor = reader.big<std::uint8_t>()};
-      t.value = reader.big<std::uint8_t>();
-      return t;
-    }
-    case kError: {
-      SensorError e{.sensor = reader.big<std::uint8_t>()};
-      e.code = reader.big<std::uint8_t>();
-      return e;
-    }
-    case kSensorInfo:
-      return read_sensor_info(reader);
+    case Tap::kType:
+      return read_numbers<Tap>(reader);
+    case SensorError::kType:
+      return read_numbers<SensorError>(reader);
+    case SensorInfo::kType:
+      return read_numbers<SensorInfo>(reader);
     case kRotationOf0:
       return read_rotation({.sensor = 0}, reader);
     case kRotationOf1:
       return read_rotation({.sensor = 1}, reader);
-    case kRotation: {
+    case Rotation::kType: {
       Rotation r{.sensor = reader.big<std::uint8_t>()};
       r.data_type = reader.big<std::uint8_t>();
       MIEN_TRY_ASSIGN(TrackerMessage message, read_rotation(r, reader));
       std::get<Rotation>(message).accuracy = optional_big<std::uint8_t>(reader);
       return message;
     }
-    case kMagnetometerAccuracy: {
-      MagnetometerAccuracy m{.sensor = reader.big<std::uint8_t>()};
-      MIEN_TRY_ASSIGN(m.accuracy, finite(reader.big<float>()));
-      return m;
-    }
-    case kSignalStrength: {
-      SignalStrength s{.sensor = reader.big<std::uint8_t>()};
-      s.dbm = reader.big<std::int8_t>();
-      return s;
-    }
-    case kTemperature: {
-      Temperature t{.sensor = reader.big<std::uint8_t>()};
-      MIEN_TRY_ASSIGN(t.celsius, finite(reader.big<float>()));
-      return t;
-    }
-    case kUserAction:
-      return UserAction{reader.big<std::uint8_t>()};
-    case kFeatureFlags:
+    case MagnetometerAccuracy::kType:
+      return read_numbers<MagnetometerAccuracy>(reader);
+    case SignalStrength::kType:
+      return read_numbers<SignalStrength>(reader);
+    case Temperature::kType:
+      return read_numbers<Temperature>(reader);
+    case UserAction::kType:
+      return read_numbers<UserAction>(reader);
+    case FeatureFlags::kType:
       return read_flags(reader);
-    case kRotationAndAcceleration: {
+    case RotationAndAcceleration::kType: {
       RotationAndAcceleration r{.sensor = reader.big<std::uint8_t>()};
       const auto xyzw = steps<4>(reader, kRotationStep);
       r.m_s2 = steps<3>(reader, kAccelerationStep);
@@ -213,11 +207,8 @@ Result<TrackerMessage> read_fields(std::uint32_t type, ByteReader& reader) {
       MIEN_TRY_ASSIGN(r.xyzw, unit(xyzw));
       return r;
     }
-    case kConfigAck: {
-      ConfigAck a{.sensor = reader.big<std::uint8_t>()};
-      a.what = reader.big<std::uint16_t>();
-      return a;
-    }
+    case ConfigAck::kType:
+      return read_numbers<ConfigAck>(reader);
     default:
       return Unknown{type};
   }
@@ -256,34 +247,30 @@ std::size_t least_payload(std::uint32_t type) {
     case kRotationOf0:
     case kRotationOf1:
       return 16;
-    case kAcceleration:
+    case Acceleration::kType:
       return 12;
-    case kPong:
-    case kBattery:
+    case Pong::kType:
+    case Battery::kType:
       return 4;
-    case kTap:
-    case kError:
-    case kSensorInfo:
-    case kSignalStrength:
+    case Tap::kType:
+    case SensorError::kType:
+    case SensorInfo::kType:
+    case SignalStrength::kType:
       return 2;
-    case kRotation:
+    case Rotation::kType:
       return 18;
-    case kMagnetometerAccuracy:
-    case kTemperature:
+    case MagnetometerAccuracy::kType:
+    case Temperature::kType:
       return 5;
-    case kUserAction:
+    case UserAction::kType:
       return 1;
-    case kRotationAndAcceleration:
+    case RotationAndAcceleration::kType:
       return 15;
-    case kConfigAck:
+    case ConfigAck::kType:
       return 3;
     default:
       return 0;
   }
-}
-
-void put(std::span<const float> values, ByteWriter& out) {
-  for (const float v : values) out.big(v);
 }
 
 void put_steps(std::span<const float> values, float step, ByteWriter& out) {
@@ -296,105 +283,53 @@ void put_text(std::string_view text, ByteWriter& out) {
   out.append(text);
 }
 
-// A message's number on the wire, and its fields.
+void put(const Handshake& m, ByteWriter& out) {
+  for (const std::uint32_t number : {m.board, m.imu, m.mcu, 0U, 0U, 0U, m.protocol}) out.big(number);
+  put_text(m.firmware, out);
+  for (unsigned octet = kMacBytes; octet-- > 0;) out.big(static_cast<std::uint8_t>(m.mac >> (8 * octet)));
+  out.big(m.tracker_type);
+  for (int i = 0; i < 5; ++i) put_text("", out);  // Vendor, its address, product, updates' address and name.
+}
 
-struct Fields {
-  ByteWriter& out;
+void put(const FeatureFlags& m, ByteWriter& out) {
+  for (unsigned i = 0; i < 4; ++i) out.big(static_cast<std::uint8_t>(m.bits >> (8 * i)));
+}
 
-  void operator()(const Unknown&) const {}
-  void operator()(const Heartbeat&) const {}
-  void operator()(const Handshake& m) const {
-    out.big(m.board);
-    out.big(m.imu);
-    out.big(m.mcu);
-    for (int i = 0; i < 3; ++i) out.big(std::uint32_t{0});
-    out.big(m.protocol);
-    put_text(m.firmware, out);
-    for (unsigned octet = kMacBytes; octet-- > 0;) out.big(static_cast<std::uint8_t>(m.mac >> (8 * octet)));
-    out.big(m.tracker_type);
-    for (int i = 0; i < 5; ++i)
-      put_text("", out);  // Vendor, its address, product, updates' address and name.
-  }
-  void operator()(const Acceleration& m) const {
-    put(m.m_s2, out);
-    out.big(m.sensor);
-  }
-  void operator()(const Pong& m) const { out.big(m.id); }
-  void operator()(const Battery& m) const {
-    out.big(m.volts);
-    out.big(m.level);
-  }
-  void operator()(const Tap& m) const {
-    out.big(m.sensor);
-    out.big(m.value);
-  }
-  void operator()(const SensorError& m) const {
-    out.big(m.sensor);
-    out.big(m.code);
-  }
-  void operator()(const SensorInfo& m) const {
-    out.big(m.sensor);
-    out.big(m.state);
-    out.big(m.imu);
-    out.big(m.config);
-    out.big(m.calibrated);
-    out.big(m.position);
-    out.big(m.data_type);
-  }
-  void operator()(const Rotation& m) const {
-    out.big(m.sensor);
-    out.big(m.data_type);
-    put(m.xyzw, out);
-    out.big(m.accuracy);
-  }
-  void operator()(const MagnetometerAccuracy& m) const {
-    out.big(m.sensor);
-    out.big(m.accuracy);
-  }
-  void operator()(const SignalStrength& m) const {
-    out.big(m.sensor);
-    out.big(m.dbm);
-  }
-  void operator()(const Temperature& m) const {
-    out.big(m.sensor);
-    out.big(m.celsius);
-  }
-  void operator()(const UserAction& m) const { out.big(m.action); }
-  void operator()(const FeatureFlags& m) const {
-    for (unsigned i = 0; i < 4; ++i) out.big(static_cast<std::uint8_t>(m.bits >> (8 * i)));
-  }
-  void operator()(const RotationAndAcceleration& m) const {
-    out.big(m.sensor);
-    put_steps(m.xyzw, kRotationStep, out);
-    put_steps(m.m_s2, kAccelerationStep, out);
-  }
-  void operator()(const ConfigAck& m) const {
-    out.big(m.sensor);
-    out.big(m.what);
-  }
-};
+void put(const RotationAndAcceleration& m, ByteWriter& out) {
+  out.big(m.sensor);
+  put_steps(m.xyzw, kRotationStep, out);
+  put_steps(m.m_s2, kAccelerationStep, out);
+}
 
+void put(const Unknown&, ByteWriter&) {}
+
+template <class Message>
+requires requires(Message& message) {
+  Fields::of(message);
+}
+void put(Message message, ByteWriter& out) {
+  const auto write = [&]<class T>(const T& field) {
+    if constexpr (std::is_arithmetic_v<T>)
+      out.big(field);
+    else
+      for (const float number : field) out.big(number);
+  };
+  std::apply([&](const auto&... fields) { (write(fields), ...); }, Fields::of(message));
+}
+
+void put_fields(const TrackerMessage& message, ByteWriter& out) {
+  std::visit([&](const auto& m) { put(m, out); }, message);
+}
+
+template <class Message>
+constexpr std::uint32_t type_of(const Message&) {
+  return Message::kType;
+}
+constexpr std::uint32_t type_of(const Unknown& message) {
+  return message.type;
+}
 std::uint32_t type_of(const TrackerMessage& message) {
-  // In the variant's order.
-  static constexpr std::array<std::uint32_t, std::variant_size_v<TrackerMessage>> kTypes = {
-      0,
-      kHeartbeat,
-      kHandshake,
-      kAcceleration,
-      kPong,
-      kBattery,
-      kTap,
-      kError,
-      kSensorInfo,
-      kRotation,
-      kMagnetometerAccuracy,
-      kSignalStrength,
-      kTemperature,
-      kUserAction,
-      kFeatureFlags,
-      kRotationAndAcceleration,
-      kConfigAck};
-  return kTypes[message.index()];
+  return std::visit([](const auto& m) { return type_of(m); }, message);
 }
 
 Result<void> check_writable(const TrackerMessage& message) {
@@ -421,7 +356,7 @@ bool is_tracker_datagram(std::span<const std::byte> bytes) {
   ByteReader reader(bytes);
   const auto type = reader.big<std::uint32_t>();
   const auto number = reader.big<std::uint64_t>();
-  return type < 256 && reader.left() >= least_payload(type) && (type != kHandshake || number == 0);
+  return type < 256 && reader.left() >= least_payload(type) && (type != Handshake::kType || number == 0);
 }
 
 Result<Header> parse_tracker_datagram(std::span<const std::byte> bytes, std::vector<TrackerMessage>& out) {
@@ -450,7 +385,7 @@ Result<Header> parse_tracker_datagram(std::span<const std::byte> bytes, std::vec
 Result<void> encode_tracker_message(std::uint64_t number, const TrackerMessage& message, ByteWriter& out) {
   MIEN_TRY(check_writable(message));
   put_header(type_of(message), is_uncounted(message) ? 0 : number, out);
-  std::visit(Fields{out}, message);
+  put_fields(message, out);
   return {};
 }
 
@@ -464,14 +399,14 @@ Result<void> encode_tracker_bundle(std::uint64_t number, std::span<const Tracker
     if (is_uncounted(message))
       return fail(ErrorCode::bad_usage, "this does not go into bundles", kSlimeVrPacket);
     inner.clear();
-    std::visit(Fields{inner}, message);
+    put_fields(message, inner);
     size += sizeof(std::uint16_t) + sizeof(std::uint32_t) + inner.bytes().size();
   }
   if (size > kMaxDatagram) return fail(ErrorCode::bad_usage, "a bundle of too much", kSlimeVrPacket);
   put_header(kBundle, number, out);
   for (const TrackerMessage& message : messages) {
     inner.clear();
-    std::visit(Fields{inner}, message);
+    put_fields(message, inner);
     out.big(static_cast<std::uint16_t>(sizeof(std::uint32_t) + inner.bytes().size()));
     out.big(type_of(message));
     out.append(inner.bytes());
@@ -481,7 +416,7 @@ Result<void> encode_tracker_bundle(std::uint64_t number, std::span<const Tracker
 
 void encode_server_message(const ServerMessage& message, ByteWriter& out) {
   if (std::holds_alternative<Greeting>(message)) {
-    out.big(static_cast<std::uint8_t>(kHandshake));
+    out.big(static_cast<std::uint8_t>(Handshake::kType));
     out.append(kGreeting);
     for (std::size_t i = 1 + kGreeting.size(); i < kGreetingBytes; ++i) out.big(std::uint8_t{0});
   } else if (std::holds_alternative<ServerHeartbeat>(message)) {
@@ -490,17 +425,17 @@ void encode_server_message(const ServerMessage& message, ByteWriter& out) {
     put_header(kPing, 0, out);
     out.big(ping->id);
   } else if (const auto* flags = std::get_if<ServerFlags>(&message)) {
-    put_header(kFeatureFlags, 0, out);
+    put_header(FeatureFlags::kType, 0, out);
     out.big(flags->bits);
   } else if (const auto* ack = std::get_if<SensorInfoAck>(&message)) {
-    out.big(kSensorInfo);
+    out.big(SensorInfo::kType);
     out.big(ack->sensor);
     out.big(ack->state);
   }
 }
 
 Result<ServerMessage> parse_server_message(std::span<const std::byte> bytes) {
-  if (!bytes.empty() && bytes.front() == std::byte{kHandshake}) {
+  if (!bytes.empty() && bytes.front() == std::byte{Handshake::kType}) {
     if (bytes.size() < 1 + kGreeting.size())
       return fail(ErrorCode::truncated, "a greeting is cut short", kSlimeVrPacket);
     const auto words = std::as_bytes(std::span(kGreeting));
@@ -510,7 +445,7 @@ Result<ServerMessage> parse_server_message(std::span<const std::byte> bytes) {
   }
   ByteReader reader(bytes);
   const auto type = reader.big<std::uint32_t>();
-  if (type == kSensorInfo && bytes.size() == kAckBytes) {
+  if (type == SensorInfo::kType && bytes.size() == kAckBytes) {
     SensorInfoAck ack{.sensor = reader.big<std::uint8_t>()};
     ack.state = reader.big<std::uint8_t>();
     return ack;
@@ -519,7 +454,7 @@ Result<ServerMessage> parse_server_message(std::span<const std::byte> bytes) {
   ServerMessage message = Unknown{type};
   if (type == kServerHeartbeat) message = ServerHeartbeat{};
   if (type == kPing) message = Ping{reader.big<std::uint32_t>()};
-  if (type == kFeatureFlags) message = ServerFlags{reader.big<std::uint8_t>()};
+  if (type == FeatureFlags::kType) message = ServerFlags{reader.big<std::uint8_t>()};
   if (!reader.ok()) return fail(ErrorCode::truncated, "cut short", kSlimeVrPacket);
   return message;
 }

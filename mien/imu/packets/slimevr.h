@@ -20,12 +20,15 @@ inline constexpr std::uint16_t kPort = 6969;  ///< UDP, both sides; trackers bro
 inline constexpr std::size_t kMaxDatagram = 1472;
 inline constexpr std::uint32_t kProtocolVersion = 22;
 
-// Tracker to server. `sensor` is the board's number of it; 255 is the board itself.
+// Tracker to server. `kType`: the message's number on the wire. `sensor` is the board's number of it; 255 is
+// the board itself.
 
 struct Heartbeat {
+  static constexpr std::uint32_t kType = 0;
   bool operator==(const Heartbeat&) const = default;
 };
 struct Handshake {
+  static constexpr std::uint32_t kType = 3;
   std::uint32_t board = 4;  ///< 4 is a custom one.
   std::uint32_t imu = 0;
   std::uint32_t mcu = 2;  ///< 2 is an ESP32.
@@ -36,30 +39,36 @@ struct Handshake {
   bool operator==(const Handshake&) const = default;
 };
 struct Acceleration {
+  static constexpr std::uint32_t kType = 4;
   std::array<float, 3> m_s2{};  ///< Gravity removed; sensor frame. At most 1000 an axis.
   std::uint8_t sensor = 0;
   bool operator==(const Acceleration&) const = default;
 };
 struct Pong {
+  static constexpr std::uint32_t kType = 10;
   std::uint32_t id = 0;  ///< Of the ping.
   bool operator==(const Pong&) const = default;
 };
 struct Battery {
+  static constexpr std::uint32_t kType = 12;
   float volts = 0;
   float level = 0;  ///< 0 to 1.
   bool operator==(const Battery&) const = default;
 };
 struct Tap {
+  static constexpr std::uint32_t kType = 13;
   std::uint8_t sensor = 0;
   std::uint8_t value = 0;
   bool operator==(const Tap&) const = default;
 };
 struct SensorError {
+  static constexpr std::uint32_t kType = 14;
   std::uint8_t sensor = 0;
   std::uint8_t code = 0;
   bool operator==(const SensorError&) const = default;
 };
 struct SensorInfo {
+  static constexpr std::uint32_t kType = 15;
   std::uint8_t sensor = 0;
   std::uint8_t state = 1;  ///< 0 offline, 1 ok, 2 error.
   std::uint8_t imu = 0;    ///< Older firmware omits the fields from here on; they are then 0.
@@ -70,6 +79,7 @@ struct SensorInfo {
   bool operator==(const SensorInfo&) const = default;
 };
 struct Rotation {
+  static constexpr std::uint32_t kType = 17;
   std::uint8_t sensor = 0;
   std::uint8_t data_type = 1;   ///< 1 normal, 2 a correction.
   std::array<float, 4> xyzw{};  ///< q_world_sensor, world +Z up; of unit length within 1 %.
@@ -77,35 +87,42 @@ struct Rotation {
   bool operator==(const Rotation&) const = default;
 };
 struct MagnetometerAccuracy {
+  static constexpr std::uint32_t kType = 18;
   std::uint8_t sensor = 0;
   float accuracy = 0;
   bool operator==(const MagnetometerAccuracy&) const = default;
 };
 struct SignalStrength {
+  static constexpr std::uint32_t kType = 19;
   std::uint8_t sensor = 255;
   std::int8_t dbm = 0;
   bool operator==(const SignalStrength&) const = default;
 };
 struct Temperature {
+  static constexpr std::uint32_t kType = 20;
   std::uint8_t sensor = 0;
   float celsius = 0;
   bool operator==(const Temperature&) const = default;
 };
 struct UserAction {
+  static constexpr std::uint32_t kType = 21;
   std::uint8_t action = 0;  ///< 2 full, 3 yaw, 4 mounting reset, 5 pause.
   bool operator==(const UserAction&) const = default;
 };
 struct FeatureFlags {
+  static constexpr std::uint32_t kType = 22;
   std::uint32_t bits = 0;  ///< Of the first four bytes; bit 0 is the lowest of the first byte.
   bool operator==(const FeatureFlags&) const = default;
 };
 struct RotationAndAcceleration {
+  static constexpr std::uint32_t kType = 23;
   std::uint8_t sensor = 0;
   std::array<float, 4> xyzw{};  ///< As Rotation's; 16 bits on the wire.
   std::array<float, 3> m_s2{};  ///< As Acceleration's; within 256, steps of 1/128 on the wire.
   bool operator==(const RotationAndAcceleration&) const = default;
 };
 struct ConfigAck {
+  static constexpr std::uint32_t kType = 24;
   std::uint8_t sensor = 0;
   std::uint16_t what = 0;
   bool operator==(const ConfigAck&) const = default;
@@ -163,8 +180,7 @@ struct Ping {
   bool operator==(const Ping&) const = default;
 };
 struct ServerFlags {
-  static constexpr std::uint8_t kBundle = 1;   ///< Understands bundles of type 100.
-  static constexpr std::uint8_t kCompact = 2;  ///< Understands types 101 and 23.
+  static constexpr std::uint8_t kBundle = 1;  ///< Understands bundles of type 100.
   std::uint8_t bits = 0;
   bool operator==(const ServerFlags&) const = default;
 };

@@ -71,7 +71,7 @@ Verdict SlimeVrProtocol::receive(HostTime arrival, sensor::Peer peer, std::span<
   if (inbox.readings.size() > readings) return Verdict::taken;
   inbox.alive = DeviceKey{board->mac, 0};
   const bool used = inbox.batteries.size() > batteries || inbox.announcements.size() > announcements ||
-                    header->type == 0 || header->type == 4;
+                    header->type == slimevr::Heartbeat::kType || header->type == slimevr::Acceleration::kType;
   return used ? Verdict::taken : Verdict::ignored;
 }
 
@@ -162,11 +162,8 @@ void SlimeVrProtocol::finish(Board& board, HostTime arrival, std::uint64_t numbe
     sample.time = channel.clock.add(arrival, number);
     sample.time_estimated = true;
     sample.count = 7;
-    const std::array<double, 7> values = {q_world_sensor.w(), q_world_sensor.x(), q_world_sensor.y(),
-                                          q_world_sensor.z(), force.x(),          force.y(),
-                                          force.z()};
-    std::transform(values.begin(), values.end(), sample.values.begin(),
-                   [](double v) { return static_cast<float>(v); });
+    std::ranges::copy(wxyz_of(q_world_sensor), sample.values.begin());
+    std::ranges::copy(force.cast<float>(), sample.values.begin() + 4);
     inbox.readings.push_back({.from = {board.mac, channel.number}, .sample = sample});
   }
 }

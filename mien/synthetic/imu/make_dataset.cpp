@@ -112,9 +112,7 @@ Result<std::vector<dataset::Sequence>> perform_one(const DataRecipe& recipe, con
     std::vector<model::SensorFeature> sensors(face_sensors.size());
     for (const face::MotionFrame& frame : motion.frames) {
       for (std::size_t s = 0; s < face_sensors.size(); ++s) {
-        const Quat q = sites[face_sensors[s]].rotation(frame.weights);
-        sensors[s].rotation = {static_cast<float>(q.w()), static_cast<float>(q.x()),
-                               static_cast<float>(q.y()), static_cast<float>(q.z())};
+        sensors[s].rotation = wxyz_of(sites[face_sensors[s]].rotation(frame.weights));
         sensors[s].has_rotation = true;
       }
       dataset::append_frame(sensors, frame.weights, lab);

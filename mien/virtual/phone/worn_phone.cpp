@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "mien/phone/live_link_protocol.h"
+#include "mien/phone/live_link.h"
 #include "mien/virtual/node.h"
 #include "mien/virtual/reception.h"
 #include "mien/virtual/speaking_node.h"

@@ -99,7 +99,7 @@ TEST(Impair, ThePipelineStillFindsTheSkinThroughABadNetwork) {
   const virt::VirtualSession worse = impaired({.loss = 0.1, .jitter_ms = 10});
   imu::testing_head::ClockedPipeline pipeline(virt::test::three_sensors());
   for (const take::Event& event : worse.events)
-    if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
+    pipeline.mark(tracker::step_named(event.kind), event.begin, event.end);
   const auto sites = virt::test::three_sites();
   model::FeatureFrame frame;
   double square = 0;

@@ -303,9 +303,7 @@ void solve(const VirtualSession& session, const ReceivedTest& received,
            const std::function<void(const take::TruthFrame&, const model::FeatureFrame&)>& see) {
   imu::testing_head::ClockedPipeline pipeline(Performance::get().rig);
   for (const take::Event& event : session.events) {
-    if (event.kind == "neutral") pipeline.mark(imu::Phase::neutral, event.begin, event.end);
-    if (event.kind == "nod") pipeline.mark(imu::Phase::nod, event.begin, event.end);
-    if (event.kind == "shake") pipeline.mark(imu::Phase::shake, event.begin, event.end);
+    pipeline.mark(tracker::step_named(event.kind), event.begin, event.end);
   }
   model::FeatureFrame frame;
   auto next = session.samples.begin();

@@ -11,8 +11,7 @@
 #include <optional>
 #include <span>
 
-#include "mien/phone/live_link_packet.h"
-#include "mien/phone/live_link_protocol.h"
+#include "mien/phone/live_link.h"
 #include "tests/performer/talking.h"
 
 namespace mien::virt::phone_simulator_test {

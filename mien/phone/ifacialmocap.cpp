@@ -1,4 +1,4 @@
-#include "mien/phone/ifacialmocap_frame.h"
+#include "mien/phone/ifacialmocap.h"
 
 #include <fmt/format.h>
 
@@ -82,12 +82,10 @@ Result<void> add_pose(std::string_view name, std::string_view values, ToldFace& 
       std::max({std::abs(px), std::abs(py), std::abs(pz)}) > static_cast<double>(kMostHead_m))
     return refuse_frame(ErrorCode::out_of_range, "its head is beyond its range");
   // Turns about +X, -Y and +Z are pitch down, yaw to the right and roll to the right.
-  const Quat turn = face::head_from_livelink(Vec3(-y, x, z) / kDegPerRad).normalized();
-  const auto part = [](double value) { return static_cast<float>(value); };
-  ToldHead head{.rotation = {part(turn.w()), part(turn.x()), part(turn.y()), part(turn.z())}};
+  ToldHead& head = face.head.emplace();
+  head.rotation = wxyz_of(face::head_from_livelink(Vec3(-y, x, z) / kDegPerRad).normalized());
   head.position_known = px != 0 || py != 0 || pz != 0;
-  if (head.position_known) head.position_m = {part(px), part(py), part(pz)};
-  face.head = head;
+  if (head.position_known) head.position_m = Vec3(px, py, pz).cast<float>();
   return {};
 }
 
@@ -140,6 +138,24 @@ Result<IFacialMocapFrame> parse_ifacialmocap(std::span<const std::byte> bytes) {
   if (!told || (frame.tracked && frame.face.told() == 0 && !frame.face.head))
     return refuse_frame(ErrorCode::malformed, "it tells nothing");
   return frame;
+}
+
+using sensor::Verdict;
+
+Verdict IFacialMocapProtocol::receive(HostTime arrival, sensor::Peer peer,
+                                      std::span<const std::byte> datagram, sensor::Inbox& inbox) {
+  const auto frame = parse_ifacialmocap(datagram);
+  if (!frame) return Verdict::malformed;
+  auto* const place = phones_.meet(peer, arrival);
+  if (place == nullptr) return Verdict::ignored;
+  Phone& phone = place->state;
+  const DeviceTime time = phone.clock.add(arrival, ++phone.frames);
+  if (!frame->tracked) {
+    inbox.alive = inbox.no_face = {place->device, 0};
+    return Verdict::taken;
+  }
+  add_readings(frame->face, place->device, {static_cast<std::uint32_t>(phone.frames), time, true}, inbox);
+  return Verdict::taken;
 }
 
 }  // namespace mien::phone
