@@ -39,4 +39,21 @@ using FilmPlaces = std::array<FilmPlace, model::kViews>;
 [[nodiscard]] std::array<float, headset::kAnswerOutputs> mirrored_answer(
     const std::array<float, headset::kAnswerOutputs>& answer);
 
+/// How well the eyes' directions and closed lids are told.
+class EyeScore {
+ public:
+  /// Directions of one eye (0 left, 1 right), as Answer::gaze_rad has them.
+  void add_gaze(const std::array<float, 4>& told_rad, const std::array<float, 4>& true_rad, std::size_t eye);
+  void add_openness(float told, float truth);
+
+  /// The error that this share (0 to 1) of the directions is within; 0 without any.
+  [[nodiscard]] double gaze_deg(double share) const;
+  /// F1 of closed eyes.
+  [[nodiscard]] double closed_f1() const;
+
+ private:
+  std::vector<double> gaze_deg_;
+  double hits_ = 0, told_ = 0, shut_ = 0;
+};
+
 }  // namespace mien::train

@@ -120,9 +120,9 @@ class Training {
       from = " " + hash.hex();
     }
     validation_ = task_.validation_parts(Random(recipe_.seed).fork("validation"));
-    validation_hash_ = sha256(fmt::format("{} {} {} {}", task_.validation_hash(), recipe_.windows,
+    validation_hash_ = sha256(fmt::format("{} {} {} {}", task_.validation_data().hash, recipe_.windows,
                                           recipe_.seed, recipe_.score == Score::mse ? "mse" : "loss"));
-    run_ = sha256(fmt::format("{} {} {} {}{}", recipe_.text, task_.training_hash(), validation_hash_,
+    run_ = sha256(fmt::format("{} {} {} {}{}", recipe_.text, task_.training_data().hash, validation_hash_,
                               options_.device, from));
     return {};
   }
@@ -314,12 +314,12 @@ class Training {
               {"score", state_.best_score},
               {"loss", score.loss},
               {"mse", score.mse},
-              {"frames", task_.validation_frames()}}},
+              {"frames", task_.validation_data().frames}}},
             {"training",
              {{"steps", state_.step},
               {"best_step", state_.best_step},
               {"windows", state_.step * static_cast<std::int64_t>(recipe_.batch)},
-              {"frames", task_.training_frames()},
+              {"frames", task_.training_data().frames},
               {"seconds", std::round(state_.seconds)},
               {"device", options_.device},
               {"parameters", model::parameter_count(recipe_.architecture)}}}};
