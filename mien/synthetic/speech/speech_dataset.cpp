@@ -120,24 +120,15 @@ std::vector<Voice> as_voices(std::span<const Person> people) {
 }  // namespace
 
 std::vector<Voice> voices_for(VoiceUse use) {
-  std::span<const std::string_view> variants;
-  std::span<const Person> people;
-  switch (use) {
-    case VoiceUse::training:
-      variants = kTrainingVariants;
-      people = kTrainingPeople;
-      break;
-    case VoiceUse::validation:
-      variants = kValidationVariants;
-      break;
-    case VoiceUse::confidence:
-      variants = kConfidenceVariants;
-      break;
-    case VoiceUse::test:
-      variants = kTestVariants;
-      people = kTestPeople;
-      break;
-  }
+  struct Speakers {
+    std::span<const std::string_view> variants;
+    std::span<const Person> people;
+  };
+  static const std::array<Speakers, 4> kSpeakers = {{{kTrainingVariants, kTrainingPeople},
+                                                     {kValidationVariants, {}},
+                                                     {kConfidenceVariants, {}},
+                                                     {kTestVariants, kTestPeople}}};
+  const auto& [variants, people] = kSpeakers[static_cast<std::size_t>(use)];
   std::vector<Voice> voices;
   const auto languages = performer::reading_languages();
   for (const std::string_view variant : variants)
