@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -27,16 +26,13 @@ constexpr double kRidgePenalty = 1e-3;
 Result<void> check(const LightDataset& dataset) {
   const std::size_t n = dataset.sensors.size(), v = dataset.markers.size();
   if (n == 0 || v == 0) return fail(ErrorCode::mismatch, "the data set has no sensors or no markers");
-  const auto finite = [](const std::vector<float>& values) {
-    return std::ranges::all_of(values, [](float x) { return std::isfinite(x); });
-  };
   for (std::size_t i = 0; i < dataset.sequences.size(); ++i) {
     const LightSequence& s = dataset.sequences[i];
     const std::string where = fmt::format("sequence {}", i);
     if (s.values.size() != s.frames * n || s.present.size() != s.frames * n ||
         s.displacement_m.size() != s.frames * 3 * v)
       return fail(ErrorCode::mismatch, fmt::format("its arrays do not fit {} frames", s.frames), where);
-    if (!finite(s.values) || !finite(s.displacement_m))
+    if (!all_finite(s.values) || !all_finite(s.displacement_m))
       return fail(ErrorCode::out_of_range, "it holds a number that is not finite", where);
   }
   return {};

@@ -35,9 +35,8 @@ Result<void> check(const SpeechDataset& dataset) {
         s.closure.size() != s.blocks || s.voiced.size() != s.blocks)
       return fail(ErrorCode::mismatch, fmt::format("its arrays do not fit {} blocks", s.blocks),
                   "speech of " + s.voice);
-    for (const auto* values : {&s.mel, &s.mouth})
-      if (!std::ranges::all_of(*values, [](float x) { return std::isfinite(x); }))
-        return fail(ErrorCode::out_of_range, "it holds a number that is not finite", "speech of " + s.voice);
+    if (!all_finite(s.mel) || !all_finite(s.mouth))
+      return fail(ErrorCode::out_of_range, "it holds a number that is not finite", "speech of " + s.voice);
   }
   return {};
 }
