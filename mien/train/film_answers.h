@@ -17,6 +17,8 @@ namespace mien::train {
 
 /// Below this openness a gaze cannot be seen, and an eye counts as closed.
 inline constexpr float kShutEye = 0.25F;
+/// Chance of a window to be told nothing of what the face is like at rest.
+inline constexpr double kNotTold = 1.0 / 6;
 
 /// Which of a film's cameras stands in a place of the network, if one does, and how its view is turned.
 struct FilmPlace {

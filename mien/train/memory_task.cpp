@@ -40,10 +40,9 @@ using model::kViews;
 /// mountings and cameras show it. Raising: other headsets work better, for more minutes and memory.
 constexpr std::size_t kWays = 4;
 
-// Of a window: that it is not told what the face is like at rest; that all cameras are slow; that frames are
-// lost, up to which share, in bursts up to how long. Of each view: that it is slow, missing, away for a
-// while.
-constexpr double kNotTold = 1.0 / 6, kAllSlow = 0.15, kLossy = 0.3, kMostLost = 0.3;
+// Of a window: that all cameras are slow; that frames are lost, up to which share, in bursts up to how long.
+// Of each view: that it is slow, missing, away for a while.
+constexpr double kAllSlow = 0.15, kLossy = 0.3, kMostLost = 0.3;
 constexpr std::uint64_t kLongestBurst = 10;
 constexpr double kSlow = 0.05, kMissing = 0.04, kAway = 0.06, kMouthAway = 0.03;
 /// How much later than usual a view may come, shares of a tick.

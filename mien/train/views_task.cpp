@@ -32,9 +32,7 @@ using headset::kAnswerOutputs;
 using model::kViews;
 
 /// Of a view, that it is missing; of a moment, that its face is mirrored.
-constexpr double kMissing = 0.05, kMirrored = 0.5;
-/// Of a window, that it is not told what the face is like at rest.
-constexpr double kNotTold = 1.0 / 6;
+constexpr double kViewMissing = 0.05, kMirrored = 0.5;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// What the network should answer; what cannot be seen is unknown.
@@ -50,7 +48,7 @@ constexpr std::size_t kBlocks = 12;
 constexpr std::size_t kRidgeInputs = kViews * kBlocks * kBlocks + 1;
 /// Moments that it is fitted to at most, and its penalty, in moments.
 constexpr std::size_t kRidgeMoments = 6000;
-constexpr double kRidgePenalty = 30;
+constexpr double kBlockRidgePenalty = 30;
 
 Eigen::VectorXd ridge_inputs(std::span<const float> views, std::size_t side) {
   Eigen::VectorXd inputs = Eigen::VectorXd::Zero(kRidgeInputs);
@@ -246,7 +244,7 @@ class ViewsTask final
   [[nodiscard]] Eigen::MatrixXd fit_ridge() const {
     constexpr auto kIn = static_cast<Eigen::Index>(kRidgeInputs),
                    kOut = static_cast<Eigen::Index>(kAnswerOutputs);
-    Eigen::MatrixXd square = kRidgePenalty * Eigen::MatrixXd::Identity(kIn, kIn);
+    Eigen::MatrixXd square = kBlockRidgePenalty * Eigen::MatrixXd::Identity(kIn, kIn);
     Eigen::MatrixXd product = Eigen::MatrixXd::Zero(kIn, kOut);
     const std::size_t step = training_data().frames / kRidgeMoments + 1, side = recipe_.architecture.side;
     std::size_t number = 0;
@@ -280,7 +278,7 @@ class ViewsTask final
     if (augment != nullptr)
       for (std::size_t v = 0; v < kViews; ++v) {
         looks[v] = draw_look(*augment);
-        missing[v] = augment->chance(kMissing);
+        missing[v] = augment->chance(kViewMissing);
       }
     std::vector<std::uint8_t> changed, memory;
     for (const std::size_t frame : frames) {
