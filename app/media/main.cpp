@@ -40,6 +40,14 @@ void catch_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
 }
 
+/// "640x480", of the option that it stands in.
+Result<void> parse_size(const std::string& text, const char* option, int& width, int& height) {
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%5dx%5d%c", &width, &height, &rest) == 2 && width > 0 && height > 0)
+    return {};
+  return fail(ErrorCode::bad_usage, fmt::format("'{}' is no size", text), option, "write it like 640x480");
+}
+
 /// Fills `frame` from standard input. True when there was a whole one, false at the end.
 Result<bool> read_frame(std::span<std::uint8_t> frame) {
   std::size_t have = 0;
@@ -58,18 +66,15 @@ Result<bool> read_frame(std::span<std::uint8_t> frame) {
 
 Result<void> run_video(const VideoCommand& command) {
   media::VideoOptions options;
-  char rest = 0;
-  if (std::sscanf(command.size.c_str(), "%5dx%5d%c", &options.width, &options.height, &rest) != 2)
-    return fail(ErrorCode::bad_usage, fmt::format("'{}' is no size", command.size), "--size",
-                "write it like 640x480");
+  MIEN_TRY(parse_size(command.size, "--size", options.width, options.height));
   options.rate_hz = command.rate_hz;
   options.quality = command.quality;
   if (!command.audio.empty()) {
     MIEN_TRY_ASSIGN(const auto bytes, read_file(command.audio));
     MIEN_TRY_ASSIGN(options.sound, parse_wav(bytes, command.audio));
   }
-  const std::size_t frame_size = std::size_t{3} * static_cast<std::size_t>(std::max(0, options.width)) *
-                                 static_cast<std::size_t>(std::max(0, options.height));
+  const std::size_t frame_size =
+      std::size_t{3} * static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
   catch_signals();
   MIEN_TRY_ASSIGN(auto video, media::VideoWriter::create(command.out, std::move(options)));
   std::vector<std::uint8_t> frame(frame_size);
@@ -84,29 +89,32 @@ struct FramesCommand {
   std::string film, most = "1280x960";
 };
 
-Result<void> write_out(std::span<const std::uint8_t> bytes) {
+Result<void> write_out(std::span<const std::byte> bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size()) return {};
   return fail(ErrorCode::io, std::strerror(errno), "standard output");
 }
 
-Result<void> run_frames(const FramesCommand& command) {
-  int width = 0, height = 0;
-  char rest = 0;
-  if (std::sscanf(command.most.c_str(), "%5dx%5d%c", &width, &height, &rest) != 2 || width < 1 || height < 1)
-    return fail(ErrorCode::bad_usage, fmt::format("'{}' is no size", command.most), "--most",
-                "write it like 640x480");
-  catch_signals();
-  MIEN_TRY_ASSIGN(auto film, media::VideoReader::open(command.film, width, height));
-  const std::string head = fmt::format("grey {}x{} {}\n", film.width(), film.height(), film.about());
-  MIEN_TRY(write_out({reinterpret_cast<const std::uint8_t*>(head.data()), head.size()}));
+/// Writes a line, then all that the source has.
+template <class Source>
+Result<void> write_all(const std::string& head, Source& source, const std::string& where) {
+  MIEN_TRY(write_out(std::as_bytes(std::span(head))));
   for (;;) {
-    if (stop_asked != 0) return fail(ErrorCode::cancelled, "stopped", command.film);
-    MIEN_TRY_ASSIGN(const auto picture, film.next());
-    if (!picture) break;
-    MIEN_TRY(write_out(*picture));
+    if (stop_asked != 0) return fail(ErrorCode::cancelled, "stopped", where);
+    MIEN_TRY_ASSIGN(const auto piece, source.next());
+    if (!piece) break;
+    MIEN_TRY(write_out(std::as_bytes(std::span(*piece))));
   }
   if (std::fflush(stdout) != 0) return fail(ErrorCode::io, std::strerror(errno), "standard output");
   return {};
+}
+
+Result<void> run_frames(const FramesCommand& command) {
+  int width = 0, height = 0;
+  MIEN_TRY(parse_size(command.most, "--most", width, height));
+  catch_signals();
+  MIEN_TRY_ASSIGN(auto film, media::VideoReader::open(command.film, width, height));
+  return write_all(fmt::format("grey {}x{} {}\n", film.width(), film.height(), film.about()), film,
+                   command.film);
 }
 
 struct SoundCommand {
@@ -121,15 +129,7 @@ Result<void> run_sound(const SoundCommand& command) {
   const std::string head =
       fmt::format("sound {} {} {}\n", command.rate_hz, start ? face::format_timecode(start->timecode) : "-",
                   start ? start->rate_hz : 0);
-  MIEN_TRY(write_out({reinterpret_cast<const std::uint8_t*>(head.data()), head.size()}));
-  for (;;) {
-    if (stop_asked != 0) return fail(ErrorCode::cancelled, "stopped", command.film);
-    MIEN_TRY_ASSIGN(const auto samples, film.next());
-    if (!samples) break;
-    MIEN_TRY(write_out({reinterpret_cast<const std::uint8_t*>(samples->data()), samples->size_bytes()}));
-  }
-  if (std::fflush(stdout) != 0) return fail(ErrorCode::io, std::strerror(errno), "standard output");
-  return {};
+  return write_all(head, film, command.film);
 }
 
 struct SpeakCommand {

@@ -14,7 +14,6 @@
 #include "mien/model/denoiser.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
-#include "mien/train/libtorch_step.h"
 #include "mien/train/make_task.h"
 #include "mien/train/parity.h"
 #include "mien/train/trainer.h"

@@ -36,7 +36,7 @@
 #include "mien/synthetic/confidence.h"
 #include "mien/synthetic/imu/watched_person.h"
 #include "mien/synthetic/watched.h"
-#include "mien/tracker/provenance.h"
+#include "mien/tracker/shape_confidence.h"
 
 namespace mien::lab {
 namespace {

@@ -8,7 +8,6 @@
 #include <set>
 #include <utility>
 
-#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/face/profile.h"
 #include "mien/model/confidence_file.h"
@@ -96,14 +95,9 @@ MarkedShapes parse_face(const std::string& text) {
 
 Result<MarkerNetworkFile> marker_network_of(model::TensorFile from, const std::string& where) {
   auto& metadata = from.metadata;
-  if (metadata["format"] != kFormat)
-    return fail(ErrorCode::unsupported, "this safetensors file is not a model of smart eyewear", where);
-  if (metadata["version"] != kVersion)
-    return fail(ErrorCode::unsupported,
-                fmt::format("the model's version is \"{}\", not {}", excerpt(metadata["version"]), kVersion),
-                where, "update the program");
   MarkerNetworkFile file;
-  MIEN_TRY_ASSIGN(file.architecture, model::parse_architecture(metadata["architecture"], where));
+  MIEN_TRY_ASSIGN(file.architecture,
+                  model::architecture_of(from, kFormat, kVersion, "a model of smart eyewear", where));
   try {
     const Json markers = Json::parse(metadata["markers"]);
     file.markers = markers.at("names").get<std::vector<std::string>>();
@@ -111,18 +105,14 @@ Result<MarkerNetworkFile> marker_network_of(model::TensorFile from, const std::s
     file.sensors = Json::parse(metadata["sensors"]).get<std::vector<std::string>>();
     if (metadata.contains("face")) file.face = parse_face(metadata["face"]);
   } catch (const Json::exception& error) {
-    return fail(ErrorCode::malformed,
-                fmt::format("the model's description is wrong: {}", excerpt(error.what(), kComplaintLetters)),
-                where);
+    return model::wrong_description(error, where);
   }
   file.rig = metadata["rig"];
   file.recipe = metadata["recipe"];
   file.results = metadata["results"];
   MIEN_TRY_ASSIGN(file.confidence, model::take_confidence(from, where));
   MIEN_TRY_ASSIGN(file.network, model::take_network(file.architecture, from, where));
-  if (!from.tensors.empty())
-    return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", from.tensors[0].name),
-                where);
+  MIEN_TRY(model::check_all_taken(from, where));
   MIEN_TRY(check_network_file(file, where));
   return file;
 }

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "mien/core/logistic.h"
-#include "mien/tracker/provenance.h"
+#include "mien/tracker/shape_confidence.h"
 
 namespace mien::headset {
 namespace {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/headset/answer.h"
 #include "mien/model/network_parts.h"
@@ -44,14 +43,10 @@ Result<void> check_memory(const ViewsMemory& memory, std::size_t features, const
   return {};
 }
 
-Result<std::vector<float>> take_tensor(std::string_view name, model::TensorFile& from,
-                                       const std::string& where) {
-  const auto found = std::ranges::find(from.tensors, name, &model::Tensor::name);
-  if (found == from.tensors.end())
-    return fail(ErrorCode::mismatch, fmt::format("tensor {} is missing", name), where);
-  std::vector<float> values = std::move(found->values);
-  from.tensors.erase(found);
-  return values;
+Result<std::vector<float>> take_numbers(std::string_view name, model::TensorFile& from,
+                                        const std::string& where) {
+  if (auto values = model::take_tensor(name, from)) return *std::move(values);
+  return fail(ErrorCode::mismatch, fmt::format("tensor {} is missing", name), where);
 }
 
 Result<ViewsMemory> take_memory(model::TensorFile& from, const std::string& where) {
@@ -61,14 +56,14 @@ Result<ViewsMemory> take_memory(model::TensorFile& from, const std::string& wher
   memory.recipe = from.metadata["memory_recipe"];
   memory.results = from.metadata["memory_results"];
   MIEN_TRY_ASSIGN(memory.network, model::take_network(memory.architecture, from, where, kMemoryPrefix));
-  MIEN_TRY_ASSIGN(const std::vector<float> maps, take_tensor(kJudgementMaps, from, where));
+  MIEN_TRY_ASSIGN(const std::vector<float> maps, take_numbers(kJudgementMaps, from, where));
   if (maps.size() != 2 * kJudgements)
     return fail(ErrorCode::mismatch,
                 fmt::format("tensor {} has {} numbers, not {}", kJudgementMaps, maps.size(), 2 * kJudgements),
                 where);
   for (std::size_t j = 0; j < kJudgements; ++j)
     memory.judgements[j] = {.offset = maps[2 * j], .slope = maps[2 * j + 1]};
-  MIEN_TRY_ASSIGN(memory.mirrored_eye.weight, take_tensor(kMirroredEye, from, where));
+  MIEN_TRY_ASSIGN(memory.mirrored_eye.weight, take_numbers(kMirroredEye, from, where));
   if (memory.mirrored_eye.weight.empty())
     return fail(ErrorCode::mismatch, fmt::format("tensor {} is empty", kMirroredEye), where);
   memory.mirrored_eye.bias = memory.mirrored_eye.weight.back();
@@ -95,26 +90,18 @@ Result<void> check_file(const ViewsFile& file, const std::string& where) {
 
 Result<ViewsFile> views_file_of(model::TensorFile from, const std::string& where) {
   auto& metadata = from.metadata;
-  if (metadata["format"] != kFormat)
-    return fail(ErrorCode::unsupported, "this safetensors file is not a model of a headset's pictures",
-                where);
-  if (metadata["version"] != kVersion)
-    return fail(ErrorCode::unsupported,
-                fmt::format("the model's version is \"{}\", not {}", excerpt(metadata["version"]), kVersion),
-                where, "update the program, or train the model anew");
   ViewsFile file;
-  MIEN_TRY_ASSIGN(file.architecture, model::parse_architecture(metadata["architecture"], where));
+  MIEN_TRY_ASSIGN(file.architecture,
+                  model::architecture_of(from, kFormat, kVersion, "a model of a headset's pictures", where));
   file.rig = metadata["rig"];
   file.recipe = metadata["recipe"];
   file.results = metadata["results"];
   MIEN_TRY_ASSIGN(file.network, model::take_network(file.architecture, from, where));
-  MIEN_TRY_ASSIGN(file.mean_answer, take_tensor(kMean, from, where));
+  MIEN_TRY_ASSIGN(file.mean_answer, take_numbers(kMean, from, where));
   if (metadata.contains("memory_architecture")) {
     MIEN_TRY_ASSIGN(file.memory, take_memory(from, where));
   }
-  if (!from.tensors.empty())
-    return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", from.tensors[0].name),
-                where);
+  MIEN_TRY(model::check_all_taken(from, where));
   MIEN_TRY(check_file(file, where));
   return file;
 }

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 #include "mien/core/excerpt.h"
 #include "mien/model/backbone.h"
@@ -10,37 +12,51 @@
 namespace mien::model {
 namespace {
 
-/// The causal network's tensors; gates stand below each other as reset, update, new (PyTorch's order).
-std::vector<TensorSpec> causal_tensors(const Architecture& a) {
-  std::vector<TensorSpec> specs;
-  const auto linear = [&](const std::string& name, std::size_t out, std::size_t in) {
-    specs.push_back({name + ".weight", {out, in}});
-    specs.push_back({name + ".bias", {out}});
-  };
-  linear("input", a.d_model, a.condition);
-  for (std::size_t i = 0; i < a.layers; ++i) {
-    const std::string layer = fmt::format("layers.{}.", i);
-    linear(layer + "input", kGates * a.d_model, a.d_model);
-    linear(layer + "state", kGates * a.d_model, a.d_model);
-  }
-  linear("output", a.outputs, a.d_model);
-  return specs;
+/// A layer's weights, and a bias for each of their rows.
+void add_layer(std::vector<TensorSpec>& specs, const std::string& name,
+               const std::vector<std::size_t>& shape) {
+  specs.push_back({name + ".weight", shape});
+  specs.push_back({name + ".bias", {shape.front()}});
 }
 
-/// Eyes' backbone, mouths' backbone, what stands for a view that is missing, and the layers behind them.
-std::vector<TensorSpec> views_tensors(const Architecture& a) {
-  std::vector<TensorSpec> specs;
+std::size_t numbers_of(const std::vector<std::size_t>& shape) {
+  return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies());
+}
+
+/// Gates stand below each other as reset, update, new (PyTorch's order).
+void add_causal(const Architecture& a, std::vector<TensorSpec>& specs) {
+  add_layer(specs, "input", {a.d_model, a.condition});
+  for (std::size_t i = 0; i < a.layers; ++i) {
+    const std::string layer = fmt::format("layers.{}.", i);
+    add_layer(specs, layer + "input", {kGates * a.d_model, a.d_model});
+    add_layer(specs, layer + "state", {kGates * a.d_model, a.d_model});
+  }
+}
+
+/// Eyes' backbone, mouths' backbone, what stands for a view that is missing, and the layer behind them.
+void add_views(const Architecture& a, std::vector<TensorSpec>& specs) {
   for (const char* of : {"eye.", "mouth."})
-    for (TensorSpec spec : tensor_specs(backbone_shape(a))) {
-      spec.name = of + spec.name;
-      specs.push_back(std::move(spec));
-    }
+    for (const TensorSpec& spec : tensor_specs(backbone_shape(a)))
+      specs.push_back({of + spec.name, spec.shape});
   specs.push_back({"missing", {kViews, a.features}});
-  specs.push_back({"hidden.weight", {a.d_model, 2 * kViews * a.features}});
-  specs.push_back({"hidden.bias", {a.d_model}});
-  specs.push_back({"output.weight", {a.outputs, a.d_model}});
-  specs.push_back({"output.bias", {a.outputs}});
-  return specs;
+  add_layer(specs, "hidden", {a.d_model, 2 * kViews * a.features});
+}
+
+void add_window(const Architecture& a, std::vector<TensorSpec>& specs) {
+  add_layer(specs, "input", {a.d_model, a.input()});
+  add_layer(specs, "noise.hidden", {kNoiseHidden, kNoiseSinusoid});
+  add_layer(specs, "noise.out", {a.d_model, kNoiseHidden});
+  for (std::size_t i = 0; i < a.layers; ++i) {
+    const std::string layer = fmt::format("layers.{}.", i);
+    add_layer(specs, layer + "query", {a.d_attention(), a.d_model});
+    add_layer(specs, layer + "key", {a.d_attention(), a.d_model});
+    add_layer(specs, layer + "value", {a.d_attention(), a.d_model});
+    add_layer(specs, layer + "attended", {a.d_model, a.d_attention()});
+    add_layer(specs, layer + "attention_norm", {a.d_model});
+    add_layer(specs, layer + "ffn.hidden", {a.ffn, a.d_model});
+    add_layer(specs, layer + "ffn.out", {a.d_model, a.ffn});
+    add_layer(specs, layer + "ffn_norm", {a.d_model});
+  }
 }
 
 }  // namespace
@@ -113,32 +129,14 @@ Result<void> check(const Architecture& a) {
 }
 
 std::vector<TensorSpec> network_tensors(const Architecture& a) {
-  if (a.kind == NetworkKind::views) return views_tensors(a);
-  if (a.kind == NetworkKind::causal) return causal_tensors(a);
   std::vector<TensorSpec> specs;
-  const auto linear = [&](const std::string& name, std::size_t out, std::size_t in) {
-    specs.push_back({name + ".weight", {out, in}});
-    specs.push_back({name + ".bias", {out}});
-  };
-  const auto norm = [&](const std::string& name) {
-    specs.push_back({name + ".weight", {a.d_model}});
-    specs.push_back({name + ".bias", {a.d_model}});
-  };
-  linear("input", a.d_model, a.input());
-  linear("noise.hidden", kNoiseHidden, kNoiseSinusoid);
-  linear("noise.out", a.d_model, kNoiseHidden);
-  for (std::size_t i = 0; i < a.layers; ++i) {
-    const std::string layer = fmt::format("layers.{}.", i);
-    linear(layer + "query", a.d_attention(), a.d_model);
-    linear(layer + "key", a.d_attention(), a.d_model);
-    linear(layer + "value", a.d_attention(), a.d_model);
-    linear(layer + "attended", a.d_model, a.d_attention());
-    norm(layer + "attention_norm");
-    linear(layer + "ffn.hidden", a.ffn, a.d_model);
-    linear(layer + "ffn.out", a.d_model, a.ffn);
-    norm(layer + "ffn_norm");
-  }
-  linear("output", a.outputs, a.d_model);
+  if (a.kind == NetworkKind::views)
+    add_views(a, specs);
+  else if (a.kind == NetworkKind::causal)
+    add_causal(a, specs);
+  else
+    add_window(a, specs);
+  add_layer(specs, "output", {a.outputs, a.d_model});
   return specs;
 }
 
@@ -155,9 +153,7 @@ Result<void> check_tensors(std::span<const TensorSpec> specs, std::span<const Te
                 fmt::format("the network has {} tensors, not {}", network.size(), specs.size()));
   for (std::size_t i = 0; i < specs.size(); ++i) {
     const Tensor& t = network[i];
-    std::size_t count = 1;
-    for (const std::size_t n : t.shape) count *= n;
-    if (t.name != specs[i].name || t.shape != specs[i].shape || t.values.size() != count)
+    if (t.name != specs[i].name || t.shape != specs[i].shape || t.values.size() != numbers_of(t.shape))
       return fail(ErrorCode::mismatch, fmt::format("tensor {} {} stands where {} {} belongs", excerpt(t.name),
                                                    listed(t.shape), specs[i].name, listed(specs[i].shape)));
   }
@@ -166,11 +162,7 @@ Result<void> check_tensors(std::span<const TensorSpec> specs, std::span<const Te
 
 std::size_t parameter_count(const Architecture& architecture) {
   std::size_t count = 0;
-  for (const TensorSpec& spec : network_tensors(architecture)) {
-    std::size_t size = 1;
-    for (const std::size_t n : spec.shape) size *= n;
-    count += size;
-  }
+  for (const TensorSpec& spec : network_tensors(architecture)) count += numbers_of(spec.shape);
   return count;
 }
 

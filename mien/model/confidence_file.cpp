@@ -1,16 +1,13 @@
 #include "mien/model/confidence_file.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
-#include "mien/core/excerpt.h"
 #include "mien/face/shape_region.h"
+#include "mien/model/network_parts.h"
 
 namespace mien::model {
 namespace {
@@ -81,15 +78,10 @@ Result<std::optional<ConfidenceTable>> take_confidence(TensorFile& from, const s
         return fail(ErrorCode::malformed, "the confidence of regions is not two numbers of each", where);
     }
   } catch (const nlohmann::json::exception& error) {
-    return fail(ErrorCode::malformed,
-                fmt::format("the model's description is wrong: {}", excerpt(error.what(), kComplaintLetters)),
-                where);
+    return wrong_description(error, where);
   }
   const auto take = [&](const char* name, std::vector<float>& into) {
-    const auto tensor = std::ranges::find(from.tensors, name, &Tensor::name);
-    if (tensor == from.tensors.end()) return;
-    into = std::move(tensor->values);
-    from.tensors.erase(tensor);
+    if (auto values = take_tensor(name, from)) into = *std::move(values);
   };
   take(kCoverageEdges, table.coverage_edges);
   take(kValueEdges, table.value_edges);

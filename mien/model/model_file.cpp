@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/model/confidence_file.h"
 #include "mien/model/network_correction.h"
@@ -18,7 +17,7 @@ namespace mien::model {
 namespace {
 
 using Json = nlohmann::json;
-constexpr int kVersion = 1;
+constexpr std::string_view kVersion = "1";
 constexpr std::string_view kRidgePrefix = "ridge.";
 constexpr const char* kStandardSkin = "skin.standard";
 constexpr const char* kWearerSkin = "skin.wearer";
@@ -156,43 +155,29 @@ void read_ridges(const TensorFile& file, ModelFile& m) {
 }
 
 Result<ModelFile> model_of(TensorFile file, const std::string& where) {
-  if (const auto format = file.metadata.find("format");
-      format == file.metadata.end() || format->second != "mien-model")
-    return fail(ErrorCode::unsupported, "this safetensors file is not a model of blendshape weights", where);
-  if (file.metadata["version"] != std::to_string(kVersion))
-    return fail(
-        ErrorCode::unsupported,
-        fmt::format("the model's version is \"{}\", not {}", excerpt(file.metadata["version"]), kVersion),
-        where, "update the program, or train the model anew");
   ModelFile m;
-  MIEN_TRY_ASSIGN(m.architecture, parse_architecture(file.metadata["architecture"], where));
+  MIEN_TRY_ASSIGN(m.architecture,
+                  architecture_of(file, "mien-model", kVersion, "a model of blendshape weights", where));
   try {
     read_metadata(file, m);
     read_ridges(file, m);
     read_correction(file, m);
   } catch (const Json::exception& error) {
-    return fail(ErrorCode::malformed,
-                fmt::format("the model's description is wrong: {}", excerpt(error.what(), kComplaintLetters)),
-                where);
+    return wrong_description(error, where);
   }
   MIEN_TRY_ASSIGN(m.confidence, take_confidence(file, where));
   MIEN_TRY_ASSIGN(m.network, take_network(m.architecture, file, where));
 
-  std::map<std::string, Tensor*> by_name;
-  for (Tensor& tensor : file.tensors) by_name[tensor.name] = &tensor;
   const auto take = [&](const std::string& name, std::vector<float>& into) {
-    const auto it = by_name.find(name);
-    if (it == by_name.end()) return;  // Left empty, which check_model reports.
-    into = std::move(it->second->values);
-    by_name.erase(it);
+    // What is missing is left empty, which check_model reports.
+    if (auto values = take_tensor(name, file)) into = *std::move(values);
   };
   take("features.mean", m.normalisation.mean);
   take("features.scale", m.normalisation.scale);
   take("mean_pose", m.mean_pose);
   for (RidgeBaseline& ridge : m.ridge) take(std::string(kRidgePrefix) + ridge.profile, ridge.matrix);
-  if (by_name.contains(kStandardSkin)) {
-    m.skin.emplace();
-    take(kStandardSkin, m.skin->standard);
+  if (auto standard = take_tensor(kStandardSkin, file)) {
+    m.skin.emplace().standard = *std::move(standard);
     take(kWeightCovariance, m.skin->covariance);
     take(kWearerSkin, m.skin->wearer);
   }
@@ -200,9 +185,7 @@ Result<ModelFile> model_of(TensorFile file, const std::string& where) {
     take(kCorrection, m.correction->weights);
     take(kCorrectionBias, m.correction->bias);
   }
-  if (!by_name.empty())
-    return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", by_name.begin()->first),
-                where);
+  MIEN_TRY(check_all_taken(file, where));
   MIEN_TRY(check_model(m, where));
   return m;
 }
@@ -235,7 +218,7 @@ Result<std::vector<std::byte>> format_model(const ModelFile& m) {
   TensorFile file;
   file.metadata = {
       {"format", "mien-model"},
-      {"version", std::to_string(kVersion)},
+      {"version", std::string(kVersion)},
       {"architecture", format_architecture(m.architecture)},
       {"features",
        Json{{"sensors", m.features.sensors}, {"presence_flags", m.features.presence_flags}}.dump()},

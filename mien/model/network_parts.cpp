@@ -29,6 +29,26 @@ constexpr const char* kSizeNames[] = {"layers", "d_model", "heads",     "d_head"
 
 }  // namespace
 
+std::unexpected<Error> wrong_description(const std::exception& error, const std::string& where) {
+  return fail(ErrorCode::malformed,
+              fmt::format("the model's description is wrong: {}", excerpt(error.what(), kComplaintLetters)),
+              where);
+}
+
+std::optional<std::vector<float>> take_tensor(std::string_view name, TensorFile& file) {
+  const auto found = std::ranges::find(file.tensors, name, &Tensor::name);
+  if (found == file.tensors.end()) return std::nullopt;
+  std::vector<float> values = std::move(found->values);
+  file.tensors.erase(found);
+  return values;
+}
+
+Result<void> check_all_taken(const TensorFile& file, const std::string& where) {
+  if (file.tensors.empty()) return {};
+  return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", file.tensors[0].name),
+              where);
+}
+
 std::string format_architecture(const Architecture& architecture) {
   Json json = {{"name", architecture.name}, {"kind", kKinds[static_cast<std::size_t>(architecture.kind)]}};
   for (std::size_t i = 0; i < std::size(kSizes); ++i) json[kSizeNames[i]] = architecture.*kSizes[i];
@@ -65,12 +85,21 @@ Result<Architecture> parse_architecture(std::string_view text, const std::string
       }
     }
   } catch (const Json::exception& error) {
-    return fail(ErrorCode::malformed,
-                fmt::format("the model's description is wrong: {}", excerpt(error.what(), kComplaintLetters)),
-                where);
+    return wrong_description(error, where);
   }
   if (const auto ok = check(a); !ok) return fail(ok.error().code, ok.error().what, where);
   return a;
+}
+
+Result<Architecture> architecture_of(TensorFile& file, std::string_view format, std::string_view version,
+                                     std::string_view kind, const std::string& where) {
+  if (file.metadata["format"] != format)
+    return fail(ErrorCode::unsupported, fmt::format("this safetensors file is not {}", kind), where);
+  if (const std::string& found = file.metadata["version"]; found != version)
+    return fail(ErrorCode::unsupported,
+                fmt::format("the model's version is \"{}\", not {}", excerpt(found), version), where,
+                "update the program, or train the model anew");
+  return parse_architecture(file.metadata["architecture"], where);
 }
 
 void add_network(const std::vector<Tensor>& network, TensorFile& file, std::string_view prefix) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string_view>
@@ -15,8 +17,14 @@ enum class Precision {
   int8,
 };
 
-/// "fp32", "bf16", "int8".
-[[nodiscard]] std::string_view precision_name(Precision precision);
-[[nodiscard]] std::optional<Precision> precision_from_name(std::string_view name);
+inline constexpr std::array<std::string_view, 3> kPrecisionNames = {"fp32", "bf16", "int8"};
+[[nodiscard]] constexpr std::string_view precision_name(Precision precision) {
+  return kPrecisionNames[static_cast<std::size_t>(precision)];
+}
+[[nodiscard]] constexpr std::optional<Precision> precision_from_name(std::string_view name) {
+  const auto found = std::ranges::find(kPrecisionNames, name);
+  if (found == kPrecisionNames.end()) return std::nullopt;
+  return static_cast<Precision>(found - kPrecisionNames.begin());
+}
 
 }  // namespace mien::model

@@ -8,9 +8,7 @@
 #include "mien/core/files.h"
 #include "mien/model/network_correction.h"
 #include "mien/model/network_parts.h"
-#include "mien/onnx/backbone_graph.h"
 #include "mien/onnx/causal_graph.h"
-#include "mien/onnx/features_graph.h"
 #include "mien/onnx/graph.h"
 #include "mien/onnx/window_graph.h"
 
@@ -30,10 +28,64 @@ void tell_kind(Graph& graph, const char* kind) {
   graph.tell("rate_hz", "60");
 }
 
+/// The layout and the normalisation as JSON, for the file's metadata.
+std::string describe_features(const model::FeatureLayout& layout,
+                              const model::FeatureNormalisation& normalisation) {
+  return Json{{"sensors", layout.sensors},
+              {"values_of_a_sensor",
+               {"accel_x", "accel_y", "accel_z", "rotation_w", "rotation_x", "rotation_y", "rotation_z"}},
+              {"presence_flags", layout.presence_flags},
+              {"mean", normalisation.mean},
+              {"scale", normalisation.scale},
+              {"clip", model::kFeatureClip}}
+      .dump();
+}
+
 void tell_model(Graph& graph, const model::ModelFile& model) {
   graph.tell("shapes", Json(model.shapes).dump());
   graph.tell("features", describe_features(model.features, model.normalisation));
   graph.tell("mean_pose", Json(model.mean_pose).dump());
+}
+
+/// Adds the way from what sensors say to the condition, as model::encode_features goes: inputs `features`,
+/// 7n numbers a frame, and `present`, 2n. `rows`: the axes before these. Returns the condition's name.
+std::string add_features(Graph& graph, const model::FeatureLayout& layout,
+                         const model::FeatureNormalisation& normalisation, const std::vector<Axis>& rows) {
+  const std::size_t n = layout.sensors.size();
+  const auto with = [&](std::size_t width) {
+    std::vector<Axis> shape = rows;
+    shape.emplace_back(width);
+    return shape;
+  };
+  graph.input(
+      {.name = "features",
+       .shape = with(layout.value_count()),
+       .says = "Of each sensor in metadata `features`' order: linear acceleration xyz relative to the head, "
+               "m/s^2, and the skin's rotation from neutral wxyz, unit, w >= 0; both in the head's frame: +X "
+               "the performer's left, +Y up, +Z forward. What is missing may be anything."});
+  graph.input(
+      {.name = "present",
+       .shape = with(2 * n),
+       .says = "1 where it is there, else 0: the rotation of each sensor, then the acceleration of each."});
+
+  const std::string mean = graph.constant("features.mean", {layout.value_count()}, normalisation.mean);
+  const std::string scale = graph.constant("features.scale", {layout.value_count()}, normalisation.scale);
+  std::vector<std::int64_t> flag_of_value;
+  for (std::size_t s = 0; s < n; ++s)
+    for (std::size_t i = 0; i < 7; ++i) flag_of_value.push_back(static_cast<std::int64_t>(i < 3 ? n + s : s));
+  const std::string flags = graph.constant("features.flag", flag_of_value);
+
+  const Attribute last = {"axis", std::int64_t{-1}};
+  const std::string there = graph.add("Greater", {"present", graph.scalar("features.half", 0.5F)});
+  const std::string held = graph.add("Clip", {graph.add("Div", {graph.add("Sub", {"features", mean}), scale}),
+                                              graph.scalar("features.low", -model::kFeatureClip),
+                                              graph.scalar("features.high", model::kFeatureClip)});
+  const std::string values = graph.add(
+      "Where", {graph.add("Gather", {there, flags}, {last}), held, graph.scalar("features.missing", 0)});
+  if (!layout.presence_flags) return values;
+  const std::string as_numbers =
+      graph.add("Cast", {there}, {{"to", std::int64_t{::onnx::TensorProto::FLOAT}}});
+  return graph.add("Concat", {values, as_numbers}, {last});
 }
 
 /// The input that the network reads, or those that it is made of; `rows`: the axes before a frame's numbers.
@@ -188,7 +240,20 @@ Result<std::vector<std::byte>> onnx_of(const model::BackboneShape& shape,
   graph.input({.name = "pictures",
                .shape = {"batch", std::size_t{1}, shape.size, shape.size},
                .says = "Pictures, line by line, 0 (black) to 1."});
-  add_backbone(graph, shape, tensors, "pictures");
+  using Integers = std::vector<std::int64_t>;
+  for (const model::Tensor& tensor : tensors) graph.constant(tensor.name, tensor.shape, tensor.values);
+  std::string x = "pictures";
+  for (std::size_t i = 0; i < shape.widths.size(); ++i) {
+    const std::string sum = graph.add(
+        "Conv", {x, tensors[2 * i].name, tensors[2 * i + 1].name},
+        {{"kernel_shape", Integers{3, 3}}, {"strides", Integers{2, 2}}, {"pads", Integers{1, 1, 1, 1}}});
+    x = graph.add("Relu", {sum});
+  }
+  x = graph.add("Flatten", {x}, {{"axis", std::int64_t{1}}});
+  graph.gemm(x, tensors[tensors.size() - 2].name, tensors.back().name, "features");
+  graph.output({.name = "features",
+                .shape = {"batch", shape.features},
+                .says = "What the picture shows, in the network's own terms."});
   return graph.bytes();
 }
 

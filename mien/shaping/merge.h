@@ -14,7 +14,7 @@
 #include "mien/shaping/fallback_settings.h"
 #include "mien/shaping/frame_parts.h"
 #include "mien/shaping/merge_settings.h"
-#include "mien/tracker/explained.h"
+#include "mien/tracker/shape_confidence.h"
 
 namespace mien::shaping {
 

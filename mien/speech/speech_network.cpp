@@ -56,14 +56,9 @@ Result<void> check_file(const SpeechNetworkFile& file, const std::string& where)
 
 Result<SpeechNetworkFile> speech_network_of(model::TensorFile from, const std::string& where) {
   auto& metadata = from.metadata;
-  if (metadata["format"] != kFormat)
-    return fail(ErrorCode::unsupported, "this safetensors file is not a model of speech", where);
-  if (metadata["version"] != kVersion)
-    return fail(ErrorCode::unsupported,
-                fmt::format("the model's version is \"{}\", not {}", excerpt(metadata["version"]), kVersion),
-                where, "update the program");
   SpeechNetworkFile file;
-  MIEN_TRY_ASSIGN(file.architecture, model::parse_architecture(metadata["architecture"], where));
+  MIEN_TRY_ASSIGN(file.architecture,
+                  model::architecture_of(from, kFormat, kVersion, "a model of speech", where));
   try {
     file.shapes = Json::parse(metadata["shapes"]).get<std::vector<std::string>>();
     const Json bands = Json::parse(metadata["bands"]);
@@ -78,17 +73,13 @@ Result<SpeechNetworkFile> speech_network_of(model::TensorFile from, const std::s
       return fail(ErrorCode::malformed, "what it looks ahead is no count of blocks", where);
     file.look_ahead = look_ahead.get<std::size_t>();
   } catch (const Json::exception& error) {
-    return fail(ErrorCode::malformed,
-                fmt::format("the model's description is wrong: {}", excerpt(error.what(), kComplaintLetters)),
-                where);
+    return model::wrong_description(error, where);
   }
   file.recipe = metadata["recipe"];
   file.results = metadata["results"];
   MIEN_TRY_ASSIGN(file.network, model::take_network(file.architecture, from, where));
   MIEN_TRY_ASSIGN(file.confidence, model::take_confidence(from, where));
-  if (!from.tensors.empty())
-    return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", from.tensors[0].name),
-                where);
+  MIEN_TRY(model::check_all_taken(from, where));
   MIEN_TRY(check_file(file, where));
   return file;
 }

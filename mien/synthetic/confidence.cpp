@@ -6,7 +6,7 @@
 
 #include "mien/synthetic/confidence_fit.h"
 #include "mien/synthetic/logistic_fit.h"
-#include "mien/tracker/provenance.h"
+#include "mien/tracker/shape_confidence.h"
 #include "mien/virtual/performers.h"
 
 namespace mien::synthetic {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mien/tracker/provenance.h"
+#include "mien/tracker/shape_confidence.h"
 
 namespace mien::synthetic {
 namespace {

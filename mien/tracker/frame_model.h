@@ -6,7 +6,7 @@
 #include "mien/face/output_frame.h"
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
-#include "mien/tracker/explained.h"
+#include "mien/tracker/shape_confidence.h"
 
 namespace mien::tracker {
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "mien/tracker/provenance.h"
-
 namespace mien::tracker {
 namespace {
 

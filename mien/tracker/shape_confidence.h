@@ -1,20 +1,40 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "mien/face/output_frame.h"
 #include "mien/model/confidence.h"
-#include "mien/tracker/explained.h"
 
 namespace mien::tracker {
 
 /// How much of what each shape is read from is there, 0 to 1.
 using Coverage = std::array<float, face::kShapeCount>;
 
+/// How much of each shape's variance a tracker's answer explains with the sensors that are there, 0 to 1,
+/// measured on people whom its model never saw (model::ConfidenceTable). It changes with the sensors and not
+/// with the weights, so trackers of one face can be compared by it.
+using Explained = std::array<float, face::kShapeCount>;
+
 /// One number a region, in the order of face::ShapeRegion.
 using RegionScores = std::array<float, face::kShapeRegionCount>;
+
+/// Whether a shape is one of the eight that say where the eyes look: only what looks at the eyes can measure
+/// it.
+[[nodiscard]] inline bool is_gaze(std::size_t shape) {
+  return face::kShapeNames[shape].starts_with("eyeLook");
+}
+
+/// What a model's table says of a shape in a bin of coverage: measured where the sensors explain enough of
+/// its variance, else predicted; gaze, which no sensor on the skin sees, is always predicted.
+[[nodiscard]] inline face::Provenance provenance_of(const model::ConfidenceTable& table, std::size_t shape,
+                                                    std::size_t coverage_bin) {
+  return table.explained_by(shape, coverage_bin) >= table.measured_from && !is_gaze(shape)
+             ? face::Provenance::measured
+             : face::Provenance::predicted;
+}
 
 /// What a tracker says of its shapes and regions, by its model's table: the same of every kind of sensors.
 /// Immutable; performances may share one.

@@ -1,25 +1,23 @@
 #include "mien/tracker/tracker.h"
 
+#include <algorithm>
+#include <array>
+
 namespace mien::tracker {
+namespace {
+
+/// In the order of Step.
+constexpr std::array<std::string_view, 4> kStepNames = {"", "neutral", "nod", "shake"};
+
+}  // namespace
 
 std::string_view step_name(Step step) {
-  switch (step) {
-    case Step::none:
-      return "";
-    case Step::neutral:
-      return "neutral";
-    case Step::nod:
-      return "nod";
-    case Step::shake:
-      return "shake";
-  }
-  return "";
+  return kStepNames[static_cast<std::size_t>(step)];
 }
 
 Step step_named(std::string_view name) {
-  for (const Step step : {Step::neutral, Step::nod, Step::shake})
-    if (step_name(step) == name) return step;
-  return Step::none;
+  const auto found = std::ranges::find(kStepNames, name);
+  return found == kStepNames.end() ? Step::none : static_cast<Step>(found - kStepNames.begin());
 }
 
 }  // namespace mien::tracker

@@ -19,8 +19,8 @@
 #include "mien/sensor/clock_model.h"
 #include "mien/sensor/picture_view.h"
 #include "mien/sensor/sample.h"
-#include "mien/tracker/explained.h"
 #include "mien/tracker/prompted_expression.h"
+#include "mien/tracker/shape_confidence.h"
 
 namespace mien::tracker {
 

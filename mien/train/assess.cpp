@@ -108,35 +108,27 @@ std::optional<Assessment::Profile> judge_takes(const BatchMaker& validation, std
 }
 
 /// Runs one setting over takes and sums up how it did.
-class Trial {
- public:
-  Trial(const model::Denoiser& denoiser, const model::ScheduleSettings& schedule)
-      : denoiser_(denoiser), schedule_(schedule) {}
-
-  Result<Assessment::Candidate> run(const std::vector<Frames>& takes,
-                                    const model::SamplerSettings& settings) const {
-    const std::size_t outputs = denoiser_.architecture().outputs, window = denoiser_.architecture().window;
-    double error = 0, count = 0, joins = 0, inside = 0, truth = 0;
-    for (const Frames& take : takes) {
-      MIEN_TRY_ASSIGN(const std::vector<float> solved,
-                      model::solve_windows(denoiser_, schedule_, take.condition, settings, no_progress));
-      for (std::size_t i = 0; i < solved.size(); ++i)
-        error += std::pow(double{solved[i]} - double{take.weights[i]}, 2);
-      count += static_cast<double>(solved.size());
-      joins += third_difference(solved, outputs, window, true);
-      inside += third_difference(solved, outputs, window, false);
-      truth += third_difference(take.weights, outputs, window, false);
-    }
-    return Assessment::Candidate{.settings = settings,
-                                 .mse = count > 0 ? error / count : 0,
-                                 .jitter_ratio = truth > 0 ? inside / truth : 0,
-                                 .seam_ratio = inside > 0 ? joins / inside : 0};
+Result<Assessment::Candidate> run_sampler(const model::Denoiser& denoiser,
+                                          const model::ScheduleSettings& schedule,
+                                          const std::vector<Frames>& takes,
+                                          const model::SamplerSettings& settings) {
+  const std::size_t outputs = denoiser.architecture().outputs, window = denoiser.architecture().window;
+  double error = 0, count = 0, joins = 0, inside = 0, truth = 0;
+  for (const Frames& take : takes) {
+    MIEN_TRY_ASSIGN(const std::vector<float> solved,
+                    model::solve_windows(denoiser, schedule, take.condition, settings, no_progress));
+    for (std::size_t i = 0; i < solved.size(); ++i)
+      error += std::pow(double{solved[i]} - double{take.weights[i]}, 2);
+    count += static_cast<double>(solved.size());
+    joins += third_difference(solved, outputs, window, true);
+    inside += third_difference(solved, outputs, window, false);
+    truth += third_difference(take.weights, outputs, window, false);
   }
-
- private:
-  const model::Denoiser& denoiser_;
-  model::ScheduleSettings schedule_;
-};
+  return Assessment::Candidate{.settings = settings,
+                               .mse = count > 0 ? error / count : 0,
+                               .jitter_ratio = truth > 0 ? inside / truth : 0,
+                               .seam_ratio = inside > 0 ? joins / inside : 0};
+}
 
 /// Runs a causal network over takes, each from a fresh state on.
 Result<Assessment::Causal> run_causal(const model::ModelFile& model, const std::vector<Frames>& takes) {
@@ -266,7 +258,6 @@ Result<Assessment> assess(const Recipe& recipe, const BatchMaker& training, cons
     return assessment;
   }
   MIEN_TRY_ASSIGN(const model::Denoiser denoiser, model::Denoiser::create(model.architecture, model.network));
-  const Trial trial(denoiser, model.schedule);
   std::vector<model::SamplerSettings> candidates;
   for (const std::size_t steps : recipe.sampler_steps)
     for (const double first_noise : {1.0, 0.0})
@@ -280,7 +271,8 @@ Result<Assessment> assess(const Recipe& recipe, const BatchMaker& training, cons
     if (!progress(static_cast<double>(assessment.samplers.size()) / static_cast<double>(candidates.size()),
                   "choosing the sampler"))
       return fail(ErrorCode::cancelled, "stopped while choosing the sampler");
-    MIEN_TRY_ASSIGN(assessment.samplers.emplace_back(), trial.run(takes, settings));
+    MIEN_TRY_ASSIGN(assessment.samplers.emplace_back(),
+                    run_sampler(denoiser, model.schedule, takes, settings));
   }
   const auto better = [](const Assessment::Candidate& a, const Assessment::Candidate& b) {
     const bool a_smooth = a.seam_ratio <= kSeamLimit, b_smooth = b.seam_ratio <= kSeamLimit;

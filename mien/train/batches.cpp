@@ -32,10 +32,6 @@ void disturb(float* wxyz, double sigma, Random& random) {
   turn_by({x, y, z}, wxyz);
 }
 
-bool all_finite(const std::vector<float>& values) {
-  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
-}
-
 template <class T>
 void add_array(Sha256& hash, const std::vector<T>& values) {
   hash.add(std::as_bytes(std::span(values)));
@@ -52,6 +48,10 @@ void add_sequence(Sha256& hash, const dataset::Sequence& s) {
 }
 
 }  // namespace
+
+bool all_finite(std::span<const float> values) {
+  return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
+}
 
 Result<void> check(const dataset::Dataset& dataset) {
   const std::size_t n = dataset.sensors.size();

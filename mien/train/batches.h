@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,7 @@ struct ValidationPart {
   Batch windows;
 };
 
+[[nodiscard]] bool all_finite(std::span<const float> values);
 /// Refuses a data set whose arrays do not fit each other or hold what is not finite. Errors: mismatch,
 /// out_of_range.
 [[nodiscard]] Result<void> check(const dataset::Dataset& dataset);

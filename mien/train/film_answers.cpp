@@ -2,8 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
+
+#include "mien/core/quantile.h"
+#include "mien/core/units.h"
 
 namespace mien::train {
 
@@ -55,6 +60,29 @@ std::array<float, kAnswerOutputs> mirrored_answer(const std::array<float, kAnswe
     mirrored[i] = headset::mirrors_sign(i) ? -from : from;
   }
   return mirrored;
+}
+
+void EyeScore::add_gaze(const std::array<float, 4>& told_rad, const std::array<float, 4>& true_rad,
+                        std::size_t eye) {
+  gaze_deg_.push_back(kDegPerRad * std::hypot(double{told_rad[2 * eye] - true_rad[2 * eye]},
+                                              double{told_rad[2 * eye + 1] - true_rad[2 * eye + 1]}));
+}
+
+void EyeScore::add_openness(float told, float truth) {
+  const bool is = truth < kShutEye, says = told < kShutEye;
+  shut_ += is ? 1 : 0;
+  told_ += says ? 1 : 0;
+  hits_ += is && says ? 1 : 0;
+}
+
+double EyeScore::gaze_deg(double share) const {
+  std::vector<double> sorted = gaze_deg_;
+  std::ranges::sort(sorted);
+  return sorted.empty() ? 0.0 : quantile_of_sorted(sorted, share);
+}
+
+double EyeScore::closed_f1() const {
+  return 2 * hits_ / std::max(1.0, shut_ + told_);
 }
 
 }  // namespace mien::train

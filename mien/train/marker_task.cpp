@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -27,23 +26,21 @@ constexpr double kRidgePenalty = 1e-3;
 Result<void> check(const LightDataset& dataset) {
   const std::size_t n = dataset.sensors.size(), v = dataset.markers.size();
   if (n == 0 || v == 0) return fail(ErrorCode::mismatch, "the data set has no sensors or no markers");
-  const auto finite = [](const std::vector<float>& values) {
-    return std::ranges::all_of(values, [](float x) { return std::isfinite(x); });
-  };
   for (std::size_t i = 0; i < dataset.sequences.size(); ++i) {
     const LightSequence& s = dataset.sequences[i];
     const std::string where = fmt::format("sequence {}", i);
     if (s.values.size() != s.frames * n || s.present.size() != s.frames * n ||
         s.displacement_m.size() != s.frames * 3 * v)
       return fail(ErrorCode::mismatch, fmt::format("its arrays do not fit {} frames", s.frames), where);
-    if (!finite(s.values) || !finite(s.displacement_m))
+    if (!all_finite(s.values) || !all_finite(s.displacement_m))
       return fail(ErrorCode::out_of_range, "it holds a number that is not finite", where);
   }
   return {};
 }
 
-std::string hash_of(const LightDataset& dataset) {
+TaskData data_of(const LightDataset& dataset) {
   Sha256 hash;
+  std::size_t frames = 0;
   for (const auto* names : {&dataset.sensors, &dataset.markers})
     for (const std::string& name : *names) {
       hash.add(std::as_bytes(std::span(name)));
@@ -55,14 +52,9 @@ std::string hash_of(const LightDataset& dataset) {
     hash.add(std::as_bytes(std::span(s.values)));
     hash.add(std::as_bytes(std::span(s.present)));
     hash.add(std::as_bytes(std::span(s.displacement_m)));
+    frames += s.frames;
   }
-  return hash.hex();
-}
-
-std::size_t frames_in(const LightDataset& dataset) {
-  std::size_t sum = 0;
-  for (const LightSequence& s : dataset.sequences) sum += s.frames;
-  return sum;
+  return {.hash = hash.hex(), .frames = frames};
 }
 
 WindowPlaces places_in(const LightDataset& dataset, std::size_t window) {
@@ -107,49 +99,123 @@ double distances_mm(const Eigen::VectorXd& estimate_m, std::span<const float> tr
   return sum;
 }
 
-}  // namespace
-
-/// Light of photo-reflective sensors to markers: models of eyewear::MarkerNetworkFile, of causal networks.
-class MarkerTask final : public Task {
+/// Light of photo-reflective sensors to markers.
+class MarkerTask final : public FileTask<eyewear::MarkerNetworkFile, eyewear::read_marker_network,
+                                         eyewear::write_marker_network> {
  public:
-  /// An output of 1, metres: farther than any marker moves.
-  static constexpr double kScaleM = 0.06;
+  MarkerTask(Recipe recipe, LightDataset training, LightDataset validation, std::string rig)
+      : FileTask(std::move(recipe), data_of(training), data_of(validation)),
+        training_(std::move(training)),
+        validation_(std::move(validation)) {
+    model_.sensors = training_.sensors;
+    model_.markers = training_.markers;
+    model_.face = training_.face;
+    model_.scale_m = kScaleM;
+    model_.rig = std::move(rig);
+  }
 
-  [[nodiscard]] static Result<std::unique_ptr<MarkerTask>> create(Recipe recipe,
-                                                                  synthetic::LightDataset training,
-                                                                  synthetic::LightDataset validation,
-                                                                  std::string rig);
+  [[nodiscard]] Batch random_batch(std::size_t count, Random random) const override {
+    const WindowPlaces places = places_in(training_, recipe_.architecture.window);
+    Batch batch;
+    std::vector<std::uint8_t> lost(training_.sensors.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      const WindowPlaces::Place place = places.draw(random);
+      const double chance = random.chance(recipe_.many_lost) ? random.uniform(0, 0.9) : recipe_.sensor_loss;
+      for (std::uint8_t& sensor : lost) sensor = random.chance(chance) ? 1 : 0;
+      append_window(training_.sequences[place.sequence], place.first, lost, batch);
+    }
+    return batch;
+  }
 
-  [[nodiscard]] const Recipe& recipe() const override { return recipe_; }
-  [[nodiscard]] Batch random_batch(std::size_t count, Random random) const override;
-  [[nodiscard]] Batch validation_batch(Random random) const override;
-  [[nodiscard]] std::string training_hash() const override;
-  [[nodiscard]] std::string validation_hash() const override;
-  [[nodiscard]] std::size_t training_frames() const override;
-  [[nodiscard]] std::size_t validation_frames() const override;
-  [[nodiscard]] Result<std::string> results_of(const std::filesystem::path& model) const override;
-  [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override;
+  [[nodiscard]] Batch validation_batch(Random) const override {
+    Batch batch;
+    for (const WindowPlaces::Place& place :
+         places_in(validation_, recipe_.architecture.window).even(recipe_.windows))
+      append_window(validation_.sequences[place.sequence], place.first, {}, batch);
+    return batch;
+  }
+
+  [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override {
+    MIEN_TRY_ASSIGN(eyewear::MarkerNetworkFile standing, eyewear::read_marker_network(model));
+    if (standing.architecture.kind != recipe_.architecture.kind ||
+        model::network_tensors(standing.architecture) != model::network_tensors(recipe_.architecture) ||
+        standing.sensors != model_.sensors || standing.markers != model_.markers ||
+        standing.scale_m != model_.scale_m)
+      return fail(ErrorCode::mismatch, "it is a network of another size or of other sensors", model.string(),
+                  "start from a model of the recipe's own architecture and rig");
+    return std::move(standing.network);
+  }
+
   /// "markers": mean distance over validation, of the network frame by frame, of a ridge on the same frames,
   /// and of neutral, mm.
   [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,
-                                           const Progress& progress) override;
-  [[nodiscard]] Result<void> write(const std::filesystem::path& path,
-                                   const std::string& results) const override;
+                                           const Progress& progress) override {
+    model_.network.assign(network.begin(), network.end());
+    MIEN_TRY_ASSIGN(const auto regressor, eyewear::NetworkRegressor::create(model_, model_.sensors));
+    const std::size_t n = training_.sensors.size(), outputs = recipe_.architecture.outputs;
+    model::RidgeFit fit(2 * n, outputs);
+    for (const LightSequence& s : training_.sequences) fit.add(condition_of(s, n), s.displacement_m);
+    MIEN_TRY_ASSIGN(const model::RidgeBaseline ridge, fit.solve(kRidgePenalty));
+    using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const Eigen::Map<const RowMajor> matrix(ridge.matrix.data(), static_cast<Eigen::Index>(outputs),
+                                            static_cast<Eigen::Index>(2 * n + 1));
+
+    double network_mm = 0, ridge_mm = 0, neutral_mm = 0;
+    eyewear::LightFrame light = frame_of(n);
+    Eigen::VectorXd estimate_m;
+    Eigen::VectorXf condition = Eigen::VectorXf::Ones(static_cast<Eigen::Index>(2 * n + 1));
+    for (std::size_t i = 0; i < validation_.sequences.size(); ++i) {
+      if (!progress(static_cast<double>(i) / static_cast<double>(validation_.sequences.size()), "measuring"))
+        return fail(ErrorCode::cancelled, "stopped while measuring the model");
+      const LightSequence& s = validation_.sequences[i];
+      regressor->reset();
+      for (std::size_t f = 0; f < s.frames; ++f) {
+        const std::span<const float> truth_m = std::span(s.displacement_m).subspan(f * outputs, outputs);
+        read_light(s, f, {}, light);
+        regressor->step(light, estimate_m);
+        network_mm += distances_mm(estimate_m, truth_m);
+        eyewear::encode_light(light, std::span(condition.data(), 2 * n));
+        ridge_mm += distances_mm((matrix * condition).cast<double>(), truth_m);
+        neutral_mm += distances_mm(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(outputs)), truth_m);
+      }
+    }
+    const auto count = static_cast<double>(validation_data().frames * training_.markers.size());
+    return nlohmann::json{{"markers",
+                           {{"mean_mm", network_mm / count},
+                            {"ridge_mean_mm", ridge_mm / count},
+                            {"neutral_mean_mm", neutral_mm / count}}}}
+        .dump();
+  }
 
  private:
-  MarkerTask(Recipe recipe, synthetic::LightDataset training, synthetic::LightDataset validation,
-             std::string rig);
-  void append_window(const synthetic::LightSequence& sequence, std::size_t first,
-                     const std::vector<std::uint8_t>& lost, Batch& batch) const;
+  /// An output of 1, metres: farther than any marker moves.
+  static constexpr double kScaleM = 0.06;
 
-  Recipe recipe_;
-  synthetic::LightDataset training_;
-  synthetic::LightDataset validation_;
-  eyewear::MarkerNetworkFile model_;
+  void append_window(const LightSequence& sequence, std::size_t first, const std::vector<std::uint8_t>& lost,
+                     Batch& batch) const {
+    const std::size_t n = training_.sensors.size(), outputs = recipe_.architecture.outputs;
+    eyewear::LightFrame light = frame_of(n);
+    std::size_t at = batch.condition.size();
+    batch.condition.resize(at + recipe_.architecture.window * 2 * n);
+    for (std::size_t f = first; f < first + recipe_.architecture.window; ++f, at += 2 * n) {
+      read_light(sequence, f, lost, light);
+      eyewear::encode_light(light, std::span(batch.condition).subspan(at, 2 * n));
+      for (std::size_t o = 0; o < outputs; ++o)
+        batch.clean.push_back(static_cast<float>(double{sequence.displacement_m[f * outputs + o]} / kScaleM));
+    }
+    batch.level.push_back(0);
+    batch.held.push_back(0);
+    ++batch.windows;
+  }
+
+  LightDataset training_;
+  LightDataset validation_;
 };
 
-Result<std::unique_ptr<MarkerTask>> MarkerTask::create(Recipe recipe, LightDataset training,
-                                                       LightDataset validation, std::string rig) {
+}  // namespace
+
+Result<std::unique_ptr<Task>> make_marker_task(Recipe recipe, LightDataset training, LightDataset validation,
+                                               std::string rig) {
   if (recipe.architecture.kind != model::NetworkKind::causal)
     return fail(ErrorCode::bad_usage, "smart eyewear's network is a causal one", "[network] architecture",
                 "write architecture = \"causal\"");
@@ -170,138 +236,8 @@ Result<std::unique_ptr<MarkerTask>> MarkerTask::create(Recipe recipe, LightDatas
     if (places_in(*data, recipe.architecture.window).count() == 0)
       return fail(ErrorCode::bad_usage, fmt::format("training or validation has no sequence of {} frames",
                                                     recipe.architecture.window));
-  return std::unique_ptr<MarkerTask>(
-      new MarkerTask(std::move(recipe), std::move(training), std::move(validation), std::move(rig)));
-}
-
-MarkerTask::MarkerTask(Recipe recipe, LightDataset training, LightDataset validation, std::string rig)
-    : recipe_(std::move(recipe)), training_(std::move(training)), validation_(std::move(validation)) {
-  model_.architecture = recipe_.architecture;
-  model_.sensors = training_.sensors;
-  model_.markers = training_.markers;
-  model_.face = training_.face;
-  model_.scale_m = kScaleM;
-  model_.rig = std::move(rig);
-  model_.recipe = recipe_.text;
-}
-
-void MarkerTask::append_window(const LightSequence& sequence, std::size_t first,
-                               const std::vector<std::uint8_t>& lost, Batch& batch) const {
-  const std::size_t n = training_.sensors.size(), outputs = recipe_.architecture.outputs;
-  eyewear::LightFrame light = frame_of(n);
-  std::size_t at = batch.condition.size();
-  batch.condition.resize(at + recipe_.architecture.window * 2 * n);
-  for (std::size_t f = first; f < first + recipe_.architecture.window; ++f, at += 2 * n) {
-    read_light(sequence, f, lost, light);
-    eyewear::encode_light(light, std::span(batch.condition).subspan(at, 2 * n));
-    for (std::size_t o = 0; o < outputs; ++o)
-      batch.clean.push_back(static_cast<float>(double{sequence.displacement_m[f * outputs + o]} / kScaleM));
-  }
-  batch.level.push_back(0);
-  batch.held.push_back(0);
-  ++batch.windows;
-}
-
-Batch MarkerTask::random_batch(std::size_t count, Random random) const {
-  const WindowPlaces places = places_in(training_, recipe_.architecture.window);
-  Batch batch;
-  std::vector<std::uint8_t> lost(training_.sensors.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    const WindowPlaces::Place place = places.draw(random);
-    const double chance = random.chance(recipe_.many_lost) ? random.uniform(0, 0.9) : recipe_.sensor_loss;
-    for (std::uint8_t& sensor : lost) sensor = random.chance(chance) ? 1 : 0;
-    append_window(training_.sequences[place.sequence], place.first, lost, batch);
-  }
-  return batch;
-}
-
-Batch MarkerTask::validation_batch(Random) const {
-  Batch batch;
-  for (const WindowPlaces::Place& place :
-       places_in(validation_, recipe_.architecture.window).even(recipe_.windows))
-    append_window(validation_.sequences[place.sequence], place.first, {}, batch);
-  return batch;
-}
-
-std::string MarkerTask::training_hash() const {
-  return hash_of(training_);
-}
-
-std::string MarkerTask::validation_hash() const {
-  return hash_of(validation_);
-}
-
-std::size_t MarkerTask::training_frames() const {
-  return frames_in(training_);
-}
-
-std::size_t MarkerTask::validation_frames() const {
-  return frames_in(validation_);
-}
-
-Result<std::string> MarkerTask::results_of(const std::filesystem::path& model) const {
-  MIEN_TRY_ASSIGN(const eyewear::MarkerNetworkFile standing, eyewear::read_marker_network(model));
-  return standing.results;
-}
-
-Result<std::vector<model::Tensor>> MarkerTask::begin_with(const std::filesystem::path& model) {
-  MIEN_TRY_ASSIGN(eyewear::MarkerNetworkFile standing, eyewear::read_marker_network(model));
-  if (standing.architecture.kind != recipe_.architecture.kind ||
-      model::network_tensors(standing.architecture) != model::network_tensors(recipe_.architecture) ||
-      standing.sensors != model_.sensors || standing.markers != model_.markers ||
-      standing.scale_m != model_.scale_m)
-    return fail(ErrorCode::mismatch, "it is a network of another size or of other sensors", model.string(),
-                "start from a model of the recipe's own architecture and rig");
-  return std::move(standing.network);
-}
-
-Result<std::string> MarkerTask::assess(std::span<const model::Tensor> network, const Progress& progress) {
-  model_.network.assign(network.begin(), network.end());
-  MIEN_TRY_ASSIGN(const auto regressor, eyewear::NetworkRegressor::create(model_, model_.sensors));
-  const std::size_t n = training_.sensors.size(), outputs = recipe_.architecture.outputs;
-  model::RidgeFit fit(2 * n, outputs);
-  for (const LightSequence& s : training_.sequences) fit.add(condition_of(s, n), s.displacement_m);
-  MIEN_TRY_ASSIGN(const model::RidgeBaseline ridge, fit.solve(kRidgePenalty));
-  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const Eigen::Map<const RowMajor> matrix(ridge.matrix.data(), static_cast<Eigen::Index>(outputs),
-                                          static_cast<Eigen::Index>(2 * n + 1));
-
-  double network_mm = 0, ridge_mm = 0, neutral_mm = 0;
-  eyewear::LightFrame light = frame_of(n);
-  Eigen::VectorXd estimate_m;
-  Eigen::VectorXf condition = Eigen::VectorXf::Ones(static_cast<Eigen::Index>(2 * n + 1));
-  for (std::size_t i = 0; i < validation_.sequences.size(); ++i) {
-    if (!progress(static_cast<double>(i) / static_cast<double>(validation_.sequences.size()), "measuring"))
-      return fail(ErrorCode::cancelled, "stopped while measuring the model");
-    const LightSequence& s = validation_.sequences[i];
-    regressor->reset();
-    for (std::size_t f = 0; f < s.frames; ++f) {
-      const std::span<const float> truth_m = std::span(s.displacement_m).subspan(f * outputs, outputs);
-      read_light(s, f, {}, light);
-      regressor->step(light, estimate_m);
-      network_mm += distances_mm(estimate_m, truth_m);
-      eyewear::encode_light(light, std::span(condition.data(), 2 * n));
-      ridge_mm += distances_mm((matrix * condition).cast<double>(), truth_m);
-      neutral_mm += distances_mm(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(outputs)), truth_m);
-    }
-  }
-  const auto count = static_cast<double>(validation_frames() * training_.markers.size());
-  return nlohmann::json{{"markers",
-                         {{"mean_mm", network_mm / count},
-                          {"ridge_mean_mm", ridge_mm / count},
-                          {"neutral_mean_mm", neutral_mm / count}}}}
-      .dump();
-}
-
-Result<void> MarkerTask::write(const std::filesystem::path& path, const std::string& results) const {
-  eyewear::MarkerNetworkFile whole = model_;
-  whole.results = results;
-  return eyewear::write_marker_network(path, whole);
-}
-
-Result<std::unique_ptr<Task>> make_marker_task(Recipe recipe, synthetic::LightDataset training,
-                                               synthetic::LightDataset validation, std::string rig) {
-  return MarkerTask::create(std::move(recipe), std::move(training), std::move(validation), std::move(rig));
+  return std::make_unique<MarkerTask>(std::move(recipe), std::move(training), std::move(validation),
+                                      std::move(rig));
 }
 
 }  // namespace mien::train

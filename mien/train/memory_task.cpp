@@ -8,13 +8,11 @@
 #include <cstddef>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "mien/core/logistic.h"
-#include "mien/core/quantile.h"
 #include "mien/core/sha256.h"
 #include "mien/core/time.h"
 #include "mien/headset/answer.h"
@@ -41,12 +39,10 @@ using model::kViews;
 /// Ways in which each donning of training is shown: as it is and mirrored, and both once more as other
 /// mountings and cameras show it. Raising: other headsets work better, for more minutes and memory.
 constexpr std::size_t kWays = 4;
-constexpr double kDegPerRad = 180 / std::numbers::pi;
 
-// Of a window: that it is not told what the face is like at rest; that all cameras are slow; that frames are
-// lost, up to which share, in bursts up to how long. Of each view: that it is slow, missing, away for a
-// while.
-constexpr double kNotTold = 1.0 / 6, kAllSlow = 0.15, kLossy = 0.3, kMostLost = 0.3;
+// Of a window: that all cameras are slow; that frames are lost, up to which share, in bursts up to how long.
+// Of each view: that it is slow, missing, away for a while.
+constexpr double kAllSlow = 0.15, kLossy = 0.3, kMostLost = 0.3;
 constexpr std::uint64_t kLongestBurst = 10;
 constexpr double kSlow = 0.05, kMissing = 0.04, kAway = 0.06, kMouthAway = 0.03;
 /// How much later than usual a view may come, shares of a tick.
@@ -56,101 +52,360 @@ constexpr double kLatest = 0.6;
 /// donnings are hidden for a while, so that much is learnt of it, but hardly a seventh of a session's.
 constexpr double kSeenCounts = 4;
 
-}  // namespace
+/// A donning, and what was found in it.
+struct DonningSequence {
+  std::size_t film = 0;  ///< Whose it is.
+  std::size_t frames = 0, rest_end = 0;
+  double rate_hz = 0;
+  std::vector<float> features;                ///< frames x kViews x features.
+  headset::RestFeatures rest, mirrored_rest;  ///< The second of eyes that are shown mirrored.
+  std::vector<float> wanted;                  ///< frames x kAnswerOutputs; NaN: nobody can know it.
+  /// Of each frame, whether upper and lower face can be seen.
+  std::vector<std::array<bool, 2>> visible;
 
-/// What a network of pictures finds, frame by frame, to the face: the memory of a headset::ViewsFile, at
-/// kFrameRateHz. Its network of pictures stays as it is. The same files are read as for that network: each
-/// donning as it is, mirrored, and as other mountings and cameras show it.
+  /// Of kFrameRateHz.
+  [[nodiscard]] std::size_t ticks() const {
+    return static_cast<std::size_t>(static_cast<double>(frames - 1) * kFrameRateHz / rate_hz) + 1;
+  }
+  /// What is wanted at a time between two frames.
+  void wanted_at(double frame, std::span<float> out) const {
+    const auto first = static_cast<std::size_t>(frame);
+    const std::size_t second = std::min(first + 1, frames - 1);
+    const auto part = static_cast<float>(frame - static_cast<double>(first));
+    for (std::size_t i = 0; i < kAnswerOutputs; ++i)
+      out[i] = std::lerp(wanted[first * kAnswerOutputs + i], wanted[second * kAnswerOutputs + i], part);
+  }
+  /// Whether what a judgement is about can be seen.
+  [[nodiscard]] bool is_visible(double frame, std::size_t judgement) const {
+    return visible[static_cast<std::size_t>(std::round(frame))][headset::half_of_face(judgement)];
+  }
+};
+
+TaskData data_of(const std::vector<DonningSequence>& sequences) {
+  Sha256 hash;
+  std::size_t frames = 0;
+  for (const DonningSequence& s : sequences) {
+    hash.add_value(s.rate_hz);
+    hash.add(std::as_bytes(std::span(s.features)));
+    hash.add(std::as_bytes(std::span(s.wanted)));
+    hash.add(std::as_bytes(std::span(s.visible)));
+    frames += s.frames;
+  }
+  return {.hash = hash.hex(), .frames = frames};
+}
+
+/// What arrives of a view in a window: which of the film's frames, and how much later than the first could.
+struct Delivery {
+  std::vector<bool> lost;  // Of each frame of the sequence.
+  double late_ticks = 0;
+  bool missing = false;
+};
+
+/// What is found in the eyes at rest, as they are or mirrored.
+std::vector<std::vector<float>> eyes_at_rest(const std::vector<DonningSequence>& sequences, bool mirrored,
+                                             std::size_t features) {
+  std::vector<std::vector<float>> eyes;
+  for (const DonningSequence& s : sequences)
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      const headset::RestFeatures& rest = mirrored ? s.mirrored_rest : s.rest;
+      if (!rest.present[eye]) continue;
+      const auto of = std::span(rest.features).subspan(eye * features, features);
+      eyes.emplace_back(of.begin(), of.end());
+    }
+  return eyes;
+}
+
+/// What a network of pictures finds, frame by frame, to the face.
 class MemoryTask final : public Task {
  public:
-  [[nodiscard]] static Result<std::unique_ptr<MemoryTask>> create(Recipe recipe,
-                                                                  const synthetic::HeadsetFilms& films,
-                                                                  headset::ViewsFile views,
-                                                                  const sensor::Rig& rig,
-                                                                  const Progress& progress);
+  MemoryTask(Recipe recipe, headset::ViewsFile views, model::ViewsNetwork network,
+             std::vector<DonningSequence> training, std::vector<DonningSequence> validation)
+      : Task(std::move(recipe), data_of(training), data_of(validation)),
+        views_(std::move(views)),
+        network_(std::move(network)),
+        training_(std::move(training)),
+        validation_(std::move(validation)) {}
 
-  [[nodiscard]] const Recipe& recipe() const override { return recipe_; }
   /// Of cameras that are slow, late or away, and of frames that are lost; one window in six without a face at
   /// rest.
-  [[nodiscard]] Batch random_batch(std::size_t count, Random random) const override;
+  [[nodiscard]] Batch random_batch(std::size_t count, Random random) const override {
+    Batch batch;
+    model::ViewsNetwork::Workspace memory(network_);
+    while (batch.windows < count) {
+      const DonningSequence& s = training_[random.below(training_.size())];
+      append(s, random.below(s.ticks() - recipe_.architecture.window + 1), &random, memory, batch);
+    }
+    return batch;
+  }
+
   /// With all of them.
-  [[nodiscard]] Batch validation_batch(Random random) const override;
-  [[nodiscard]] std::string training_hash() const override { return training_hash_; }
-  [[nodiscard]] std::string validation_hash() const override { return validation_hash_; }
-  [[nodiscard]] std::size_t training_frames() const override { return frames_of(training_); }
-  [[nodiscard]] std::size_t validation_frames() const override { return frames_of(validation_); }
-  [[nodiscard]] Result<std::string> results_of(const std::filesystem::path& model) const override;
-  [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override;
+  [[nodiscard]] Batch validation_batch(Random) const override {
+    Batch batch;
+    model::ViewsNetwork::Workspace memory(network_);
+    const std::size_t count = std::min(recipe_.windows, validation_.size());
+    for (std::size_t i = 0; i < count; ++i)
+      append(validation_[i * validation_.size() / count], 0, nullptr, memory, batch);
+    return batch;
+  }
+
+  [[nodiscard]] Result<std::string> results_of(const std::filesystem::path& model) const override {
+    MIEN_TRY_ASSIGN(const headset::ViewsFile standing, headset::read_views_file(model));
+    return standing.memory ? standing.memory->results : std::string();
+  }
+
+  [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override {
+    MIEN_TRY_ASSIGN(headset::ViewsFile standing, headset::read_views_file(model));
+    if (!standing.memory ||
+        model::network_tensors(standing.memory->architecture) != model::network_tensors(recipe_.architecture))
+      return fail(ErrorCode::mismatch, "it has no memory of this size", model.string(),
+                  "start from a model of the recipe's own architecture");
+    return std::move(standing.memory->network);
+  }
+
   /// "headset": over validation, frame by frame after the rest: squared error of the weights beside the mean
   /// answer's and that of the network of pictures alone, the gaze's median error and its 90th percentile, how
   /// well closed lids are told, how restless the answer is (third differences over the truth's), and of the
   /// judgements calibration error and area under the ROC of each half of the wearers with what was fitted on
   /// the other (the model's own are fitted on all); and how well eyes that are shown mirrored are told.
   [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,
-                                           const Progress& progress) override;
+                                           const Progress& progress) override {
+    headset::ViewsMemory& made = views_.memory.emplace();
+    made.architecture = recipe_.architecture;
+    made.network.assign(network.begin(), network.end());
+    made.recipe = recipe_.text;
+    MIEN_TRY_ASSIGN(const model::CausalNetwork runs,
+                    model::CausalNetwork::create(recipe_.architecture, made.network));
+    model::CausalNetwork::State state(runs);
+    headset::MomentFeatures moment;
+    moment.features.resize(kViews * views_.architecture.features);
+    std::vector<float> condition(recipe_.architecture.condition);
+    model::ViewsNetwork::Workspace memory(network_);
+    std::array<float, headset::kMemoryOutputs> outputs{};
+    std::array<float, kAnswerOutputs> wanted{};
+    struct Judged {
+      std::size_t half = 0;  // Every second wearer.
+      std::size_t judgement = 0;
+      float logit = 0;
+      bool hit = false;
+      double counts = 1;
+    };
+    std::vector<Judged> judged;
+    double squares = 0, mean_squares = 0, moment_squares = 0, weights = 0, rough = 0, true_rough = 0;
+    EyeScore eye_score;
+    for (std::size_t n = 0; n < validation_.size(); ++n) {
+      const DonningSequence& s = validation_[n];
+      if (!progress(static_cast<double>(n) / static_cast<double>(validation_.size()), "measuring"))
+        return fail(ErrorCode::cancelled, "stopped while measuring the model");
+      state.reset();
+      std::vector<std::array<float, face::kShapeCount>> answered, truth;
+      for (std::size_t tick = 0; tick < s.ticks(); ++tick) {
+        const double frame = static_cast<double>(tick) * s.rate_hz / kFrameRateHz;
+        moment_at(s, frame, {}, moment);
+        headset::read_moment(network_, moment, s.rest, memory, condition);
+        runs.step(condition, state, outputs);
+        headset::add_moment_answer(condition, outputs);
+        if (frame < static_cast<double>(s.rest_end)) continue;
+        s.wanted_at(frame, wanted);
+        const std::span<const float> moments_answer = std::span(condition).last(kAnswerOutputs);
+        auto& answer = answered.emplace_back();
+        auto& real = truth.emplace_back();
+        for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+          // Half the distance in [-1, 1] is the distance of weights.
+          answer[k] = 0.5F * (std::clamp(outputs[k], -1.0F, 1.0F) + 1);
+          real[k] = 0.5F * (wanted[k] + 1);
+          const double error = double{answer[k] - real[k]};
+          const double of_mean = 0.5 * double{views_.mean_answer[k] - wanted[k]};
+          squares += error * error;
+          mean_squares += of_mean * of_mean;
+          const float by_itself = std::clamp(moments_answer[k], -1.0F, 1.0F);
+          moment_squares += 0.25 * double{by_itself - wanted[k]} * double{by_itself - wanted[k]};
+          ++weights;
+        }
+        const headset::Answer seen = headset::decode_answer(std::span(outputs).first<kAnswerOutputs>());
+        const headset::Answer is = headset::decode_answer(wanted);
+        for (std::size_t e = 0; e < 2; ++e) {
+          if (!std::isnan(wanted[headset::kGazeOutput + 2 * e]))
+            eye_score.add_gaze(seen.gaze_rad, is.gaze_rad, e);
+          eye_score.add_openness(seen.openness[e], is.openness[e]);
+        }
+        for (std::size_t j = 0; j < headset::kJudgements; ++j) {
+          double sum = 0, count = 0;
+          for (const std::size_t i : headset::judged_outputs()[j]) {
+            if (std::isnan(wanted[i])) continue;
+            sum += std::abs(std::clamp(double{outputs[i]}, -1.0, 1.0) - double{wanted[i]});
+            ++count;
+          }
+          const bool visible = s.is_visible(frame, j);
+          judged.push_back(
+              {.half = s.film % 2,
+               .judgement = j,
+               .logit = outputs[kAnswerOutputs + j],
+               .hit = visible && count > 0 && sum <= count * double{headset::right_output_error(j)},
+               .counts = visible ? kSeenCounts : 1});
+        }
+      }
+      for (std::size_t f = 3; f < answered.size(); ++f)
+        for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+          const auto third = [&](const auto& of) {
+            return std::abs(double{of[f][k] - 3 * of[f - 1][k] + 3 * of[f - 2][k] - of[f - 3][k]});
+          };
+          rough += third(answered);
+          true_rough += third(truth);
+        }
+    }
+    // Of wearers without a rest nothing is known.
+    const std::size_t features = views_.architecture.features;
+    if (auto fitted = headset::fit_mirrored_eye(eyes_at_rest(training_, false, features),
+                                                eyes_at_rest(training_, true, features)))
+      made.mirrored_eye = *std::move(fitted);
+    solve::RocArea mirrored;
+    std::array<double, 2> eyes{}, said{};  // Of eyes as they are and mirrored; of those that are said to be.
+    for (const bool is : {false, true})
+      for (const std::vector<float>& eye : eyes_at_rest(validation_, is, features)) {
+        const float log_odds = made.mirrored_eye.logit(eye);
+        mirrored.add(logistic(log_odds), is);
+        ++eyes[is ? 1 : 0];
+        said[is ? 1 : 0] += log_odds > headset::kSurelyMirrored ? 1 : 0;
+      }
+    // The model's by all wearers; each half is judged by what the other half alone would have made.
+    std::array<std::array<synthetic::LogisticFit, headset::kJudgements>, 2> halves;
+    for (const Judged& one : judged) halves[one.half][one.judgement].add(one.logit, one.hit, one.counts);
+    // Where all wearers are of one half nothing judges them.
+    const bool apart = halves[0][0].frames() > 0 && halves[1][0].frames() > 0;
+    std::array<std::array<model::LogisticMap, headset::kJudgements>, 2> others;
+    for (std::size_t j = 0; j < headset::kJudgements; ++j) {
+      for (std::size_t half = 0; half < 2; ++half) others[half][j] = halves[1 - half][j].solve();
+      halves[0][j].add(halves[1][j]);
+      made.judgements[j] = halves[0][j].solve();
+    }
+    std::array<solve::Reliability, headset::kJudgements> reliability;
+    std::array<solve::RocArea, headset::kJudgements> roc;
+    for (const Judged& one : judged) {
+      const float p = others[one.half][one.judgement].at(one.logit);
+      reliability[one.judgement].add(p, one.hit, one.counts);
+      roc[one.judgement].add(p, one.hit);
+    }
+    nlohmann::json judgements = nlohmann::json::array();
+    for (std::size_t j = 0; j < headset::kJudgements; ++j)
+      judgements.push_back(
+          {{"ece", apart ? nlohmann::json(reliability[j].expected_error()) : nlohmann::json()},
+           {"auc", apart ? nlohmann::json(roc[j].area()) : nlohmann::json()}});
+    return nlohmann::json{{"headset",
+                           {{"mse", squares / std::max(1.0, weights)},
+                            {"mean_pose_mse", mean_squares / std::max(1.0, weights)},
+                            {"moment_mse", moment_squares / std::max(1.0, weights)},
+                            {"gaze_median_deg", eye_score.gaze_deg(0.5)},
+                            {"gaze_p90_deg", eye_score.gaze_deg(0.9)},
+                            {"closed_f1", eye_score.closed_f1()},
+                            {"jitter_ratio", rough / std::max(1e-9, true_rough)},
+                            {"mirrored_eye",
+                             {{"auc", mirrored.area()},
+                              {"false_alarms", said[0] / std::max(1.0, eyes[0])},
+                              {"found", said[1] / std::max(1.0, eyes[1])}}},
+                            {"judgements", judgements}}}}
+        .dump();
+  }
+
   [[nodiscard]] Result<void> write(const std::filesystem::path& path,
-                                   const std::string& results) const override;
+                                   const std::string& results) const override {
+    headset::ViewsFile whole = views_;
+    whole.memory->results = results;
+    return headset::write_views_file(path, whole);
+  }
 
  private:
-  /// A donning, and what was found in it.
-  struct Sequence {
-    std::size_t film = 0;  ///< Whose it is.
-    std::size_t frames = 0, rest_end = 0;
-    double rate_hz = 0;
-    std::vector<float> features;                ///< frames x kViews x features.
-    headset::RestFeatures rest, mirrored_rest;  ///< The second of eyes that are shown mirrored.
-    std::vector<float> wanted;                  ///< frames x kAnswerOutputs; NaN: nobody can know it.
-    /// Of each frame, whether upper and lower face can be seen.
-    std::vector<std::array<bool, 2>> visible;
-  };
-  /// What arrives of a view in a window.
-  struct Delivery;
+  void append(const DonningSequence& sequence, std::size_t first_tick, Random* random,
+              model::ViewsNetwork::Workspace& memory, Batch& batch) const {
+    const std::size_t window = recipe_.architecture.window, each = recipe_.architecture.condition;
+    static const headset::RestFeatures kNothing;
+    bool told = sequence.rest_end > 0;
+    std::vector<Delivery> delivery;
+    if (random != nullptr) {
+      told = told && !random->chance(kNotTold);
+      const bool slow = random->chance(kAllSlow), mouth_away = random->chance(kMouthAway);
+      const double lost = random->chance(kLossy) ? random->uniform(0, kMostLost) : 0;
+      const auto away_from = random->below(sequence.frames), away_for = random->below(sequence.frames);
+      delivery.resize(kViews);
+      for (std::size_t v = 0; v < kViews; ++v) {
+        Delivery& of = delivery[v];
+        of.late_ticks = random->uniform(0, kLatest);
+        of.missing = random->chance(kMissing);
+        of.lost.assign(sequence.frames, false);
+        if (slow || random->chance(kSlow)) {
+          const std::uint64_t every = 2 + random->below(3), phase = random->below(every);
+          for (std::size_t i = 0; i < sequence.frames; ++i) of.lost[i] = i % every != phase;
+        }
+        const double bursts = lost / (0.5 * static_cast<double>(kLongestBurst + 1));
+        for (std::size_t i = 0; lost > 0 && i < sequence.frames; ++i)
+          if (random->chance(bursts))
+            for (std::uint64_t n = 1 + random->below(kLongestBurst); n > 0 && i < sequence.frames; --n, ++i)
+              of.lost[i] = true;
+        if ((mouth_away && v >= 2) || random->chance(kAway))
+          for (std::size_t i = away_from; i < std::min(sequence.frames, away_from + away_for); ++i)
+            of.lost[i] = true;
+      }
+    }
+    headset::MomentFeatures moment;
+    moment.features.resize(kViews * views_.architecture.features);
+    for (std::size_t tick = first_tick; tick < first_tick + window; ++tick) {
+      const double frame = std::min(static_cast<double>(tick) * sequence.rate_hz / kFrameRateHz,
+                                    static_cast<double>(sequence.frames - 1));
+      moment_at(sequence, frame, delivery, moment);
+      const std::size_t begin = batch.condition.size(), wanted = batch.clean.size();
+      batch.condition.resize(begin + each);
+      headset::read_moment(network_, moment, told ? sequence.rest : kNothing, memory,
+                           std::span(batch.condition).subspan(begin));
+      batch.clean.resize(wanted + headset::kMemoryOutputs);
+      sequence.wanted_at(frame, std::span(batch.clean).subspan(wanted));
+      for (std::size_t j = 0; j < headset::kJudgements; ++j)
+        batch.clean[wanted + kAnswerOutputs + j] = sequence.is_visible(frame, j) ? 1 : 0;
+    }
+    batch.level.push_back(0);
+    batch.held.push_back(0);
+    ++batch.windows;
+  }
 
-  MemoryTask(Recipe recipe, headset::ViewsFile views, model::ViewsNetwork network)
-      : recipe_(std::move(recipe)), views_(std::move(views)), network_(std::move(network)) {}
-  [[nodiscard]] static std::size_t frames_of(const std::vector<Sequence>& sequences);
-  [[nodiscard]] std::size_t ticks_of(const Sequence& sequence) const;
-  /// What is found in the eyes at rest, as they are or mirrored.
-  [[nodiscard]] static std::vector<std::vector<float>> eyes_at_rest(const std::vector<Sequence>& sequences,
-                                                                    bool mirrored, std::size_t features);
-  void append(const Sequence& sequence, std::size_t first_tick, Random* random,
-              model::ViewsNetwork::Workspace& memory, Batch& batch) const;
-  /// The moment at a tick, of views that are there as `delivery` says (null: all are).
-  void moment_at(const Sequence& sequence, double frame, std::span<const Delivery> delivery,
-                 headset::MomentFeatures& moment) const;
-  static void wanted_at(const Sequence& sequence, double frame, std::span<float> out);
-  /// Whether what a judgement is about can be seen.
-  [[nodiscard]] static bool is_visible(const Sequence& sequence, double frame, std::size_t judgement);
+  /// The moment at a tick, of views that are there as `delivery` says (empty: all are).
+  void moment_at(const DonningSequence& sequence, double frame, std::span<const Delivery> delivery,
+                 headset::MomentFeatures& moment) const {
+    const std::size_t count = views_.architecture.features;
+    const double ticks_per_frame = kFrameRateHz / sequence.rate_hz;
+    for (std::size_t v = 0; v < kViews; ++v) {
+      const auto begin = static_cast<std::ptrdiff_t>(v * count);
+      const auto leave_out = [&] {
+        moment.present[v] = false;
+        std::ranges::copy(network_.missing(v), moment.features.begin() + begin);
+      };
+      const Delivery* const of = delivery.empty() ? nullptr : &delivery[v];
+      if (!sequence.rest.present[v] || (of != nullptr && of->missing)) {
+        leave_out();
+        continue;
+      }
+      const double newest = frame - (of != nullptr ? of->late_ticks / ticks_per_frame : 0);
+      auto at = static_cast<std::ptrdiff_t>(std::floor(newest + 1e-6));
+      while (at >= 0 && of != nullptr && of->lost[static_cast<std::size_t>(at)]) --at;
+      const double age_s = (frame - static_cast<double>(at)) / sequence.rate_hz;
+      if (at < 0 || age_s > double{headset::kOldest_s}) {
+        leave_out();
+        continue;
+      }
+      moment.present[v] = true;
+      moment.age_s[v] = static_cast<float>(age_s);
+      std::copy_n(sequence.features.begin() + at * static_cast<std::ptrdiff_t>(kViews * count) + begin, count,
+                  moment.features.begin() + begin);
+    }
+  }
 
-  Recipe recipe_;
   headset::ViewsFile views_;
   model::ViewsNetwork network_;  // That of views_.
-  std::vector<Sequence> training_, validation_;
-  std::string training_hash_, validation_hash_;
+  std::vector<DonningSequence> training_, validation_;
 };
 
-/// What arrives of a view: which of the film's frames, and how much later than the first could.
-struct MemoryTask::Delivery {
-  std::vector<bool> lost;  // Of each frame of the sequence.
-  double late_ticks = 0;
-  bool missing = false;
-};
+}  // namespace
 
-std::size_t MemoryTask::frames_of(const std::vector<Sequence>& sequences) {
-  std::size_t sum = 0;
-  for (const Sequence& s : sequences) sum += s.frames;
-  return sum;
-}
-
-std::size_t MemoryTask::ticks_of(const Sequence& sequence) const {
-  return static_cast<std::size_t>(static_cast<double>(sequence.frames - 1) * kFrameRateHz /
-                                  sequence.rate_hz) +
-         1;
-}
-
-Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const synthetic::HeadsetFilms& films,
-                                                       headset::ViewsFile views, const sensor::Rig& rig,
-                                                       const Progress& progress) {
+Result<std::unique_ptr<Task>> make_memory_task(Recipe recipe, const synthetic::HeadsetFilms& films,
+                                               headset::ViewsFile views, const sensor::Rig& rig,
+                                               const Progress& progress) {
   if (recipe.architecture.kind != model::NetworkKind::causal)
     return fail(ErrorCode::bad_usage, "a memory is a causal network", "[network] architecture",
                 "write architecture = \"causal\"");
@@ -175,14 +430,11 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const synt
   MIEN_TRY_ASSIGN(const FilmPlaces places, film_places(films, rig, views.architecture.side));
   FilmPlaces turned_places = places;
   for (std::size_t eye = 0; eye < 2; ++eye) turned_places[eye].view.mirror = !turned_places[eye].view.mirror;
-  MIEN_TRY_ASSIGN(model::ViewsNetwork looks,
+  MIEN_TRY_ASSIGN(model::ViewsNetwork network,
                   model::ViewsNetwork::create(views.architecture, views.network, headset::kHeadsetPrecision));
-  auto task =
-      std::unique_ptr<MemoryTask>(new MemoryTask(std::move(recipe), std::move(views), std::move(looks)));
-  const model::ViewsNetwork& network = task->network_;
-  const Random root = Random(task->recipe_.seed).fork("ways");
+  const Random root = Random(recipe.seed).fork("ways");
   const std::size_t all = films.train.size() + films.validation.size();
-  std::vector<std::vector<Sequence>> found(all);
+  std::vector<std::vector<DonningSequence>> found(all);
   MIEN_TRY(virt::for_each_performer(all, 0, progress, [&](std::size_t index) -> Result<void> {
     const bool trains = index < films.train.size();
     const std::size_t number = trains ? index : index - films.train.size();
@@ -194,7 +446,7 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const synt
         Random random = root.fork("film", index).fork("way", way).fork("donning", donning.begin);
         const Way shown =
             draw_way(way, donning.rest_end - donning.begin, donning.end - donning.begin, random);
-        Sequence s;
+        DonningSequence s;
         s.film = number;
         s.frames = donning.end - donning.begin;
         s.rest_end = donning.rest_end - donning.begin;
@@ -212,323 +464,16 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const synt
       }
     return {};
   }));
+  std::vector<DonningSequence> training, validation;
   for (std::size_t index = 0; index < all; ++index)
-    for (Sequence& s : found[index])
-      if (task->ticks_of(s) >= task->recipe_.architecture.window)
-        (index < films.train.size() ? task->training_ : task->validation_).push_back(std::move(s));
-  if (task->training_.empty() || task->validation_.empty())
-    return fail(ErrorCode::bad_usage,
-                fmt::format("no donning lasts {} frames", task->recipe_.architecture.window),
+    for (DonningSequence& s : found[index])
+      if (s.ticks() >= recipe.architecture.window)
+        (index < films.train.size() ? training : validation).push_back(std::move(s));
+  if (training.empty() || validation.empty())
+    return fail(ErrorCode::bad_usage, fmt::format("no donning lasts {} frames", recipe.architecture.window),
                 "[network] window");
-  const auto hash_of = [](const std::vector<Sequence>& sequences) {
-    Sha256 hash;
-    for (const Sequence& s : sequences) {
-      hash.add_value(s.rate_hz);
-      hash.add(std::as_bytes(std::span(s.features)));
-      hash.add(std::as_bytes(std::span(s.wanted)));
-      hash.add(std::as_bytes(std::span(s.visible)));
-    }
-    return hash.hex();
-  };
-  task->training_hash_ = hash_of(task->training_);
-  task->validation_hash_ = hash_of(task->validation_);
-  return task;
-}
-
-void MemoryTask::moment_at(const Sequence& sequence, double frame, std::span<const Delivery> delivery,
-                           headset::MomentFeatures& moment) const {
-  const std::size_t count = views_.architecture.features;
-  const double ticks_per_frame = kFrameRateHz / sequence.rate_hz;
-  for (std::size_t v = 0; v < kViews; ++v) {
-    const auto begin = static_cast<std::ptrdiff_t>(v * count);
-    const auto leave_out = [&] {
-      moment.present[v] = false;
-      std::ranges::copy(network_.missing(v), moment.features.begin() + begin);
-    };
-    const Delivery* const of = delivery.empty() ? nullptr : &delivery[v];
-    if (!sequence.rest.present[v] || (of != nullptr && of->missing)) {
-      leave_out();
-      continue;
-    }
-    const double newest = frame - (of != nullptr ? of->late_ticks / ticks_per_frame : 0);
-    auto at = static_cast<std::ptrdiff_t>(std::floor(newest + 1e-6));
-    while (at >= 0 && of != nullptr && of->lost[static_cast<std::size_t>(at)]) --at;
-    const double age_s = (frame - static_cast<double>(at)) / sequence.rate_hz;
-    if (at < 0 || age_s > double{headset::kOldest_s}) {
-      leave_out();
-      continue;
-    }
-    moment.present[v] = true;
-    moment.age_s[v] = static_cast<float>(age_s);
-    std::copy_n(sequence.features.begin() + at * static_cast<std::ptrdiff_t>(kViews * count) + begin, count,
-                moment.features.begin() + begin);
-  }
-}
-
-void MemoryTask::wanted_at(const Sequence& sequence, double frame, std::span<float> out) {
-  const auto first = static_cast<std::size_t>(frame);
-  const std::size_t second = std::min(first + 1, sequence.frames - 1);
-  const auto part = static_cast<float>(frame - static_cast<double>(first));
-  for (std::size_t i = 0; i < kAnswerOutputs; ++i)
-    out[i] = std::lerp(sequence.wanted[first * kAnswerOutputs + i],
-                       sequence.wanted[second * kAnswerOutputs + i], part);
-}
-
-std::vector<std::vector<float>> MemoryTask::eyes_at_rest(const std::vector<Sequence>& sequences,
-                                                         bool mirrored, std::size_t features) {
-  std::vector<std::vector<float>> eyes;
-  for (const Sequence& s : sequences)
-    for (std::size_t eye = 0; eye < 2; ++eye) {
-      const headset::RestFeatures& rest = mirrored ? s.mirrored_rest : s.rest;
-      if (!rest.present[eye]) continue;
-      const auto of = std::span(rest.features).subspan(eye * features, features);
-      eyes.emplace_back(of.begin(), of.end());
-    }
-  return eyes;
-}
-
-bool MemoryTask::is_visible(const Sequence& sequence, double frame, std::size_t judgement) {
-  return sequence.visible[static_cast<std::size_t>(std::round(frame))][headset::half_of_face(judgement)];
-}
-
-void MemoryTask::append(const Sequence& sequence, std::size_t first_tick, Random* random,
-                        model::ViewsNetwork::Workspace& memory, Batch& batch) const {
-  const std::size_t window = recipe_.architecture.window, each = recipe_.architecture.condition;
-  static const headset::RestFeatures kNothing;
-  bool told = sequence.rest_end > 0;
-  std::vector<Delivery> delivery;
-  if (random != nullptr) {
-    told = told && !random->chance(kNotTold);
-    const bool slow = random->chance(kAllSlow), mouth_away = random->chance(kMouthAway);
-    const double lost = random->chance(kLossy) ? random->uniform(0, kMostLost) : 0;
-    const auto away_from = random->below(sequence.frames), away_for = random->below(sequence.frames);
-    delivery.resize(kViews);
-    for (std::size_t v = 0; v < kViews; ++v) {
-      Delivery& of = delivery[v];
-      of.late_ticks = random->uniform(0, kLatest);
-      of.missing = random->chance(kMissing);
-      of.lost.assign(sequence.frames, false);
-      if (slow || random->chance(kSlow)) {
-        const std::uint64_t every = 2 + random->below(3), phase = random->below(every);
-        for (std::size_t i = 0; i < sequence.frames; ++i) of.lost[i] = i % every != phase;
-      }
-      const double bursts = lost / (0.5 * static_cast<double>(kLongestBurst + 1));
-      for (std::size_t i = 0; lost > 0 && i < sequence.frames; ++i)
-        if (random->chance(bursts))
-          for (std::uint64_t n = 1 + random->below(kLongestBurst); n > 0 && i < sequence.frames; --n, ++i)
-            of.lost[i] = true;
-      if ((mouth_away && v >= 2) || random->chance(kAway))
-        for (std::size_t i = away_from; i < std::min(sequence.frames, away_from + away_for); ++i)
-          of.lost[i] = true;
-    }
-  }
-  headset::MomentFeatures moment;
-  moment.features.resize(kViews * views_.architecture.features);
-  for (std::size_t tick = first_tick; tick < first_tick + window; ++tick) {
-    const double frame = std::min(static_cast<double>(tick) * sequence.rate_hz / kFrameRateHz,
-                                  static_cast<double>(sequence.frames - 1));
-    moment_at(sequence, frame, delivery, moment);
-    const std::size_t begin = batch.condition.size(), wanted = batch.clean.size();
-    batch.condition.resize(begin + each);
-    headset::read_moment(network_, moment, told ? sequence.rest : kNothing, memory,
-                         std::span(batch.condition).subspan(begin));
-    batch.clean.resize(wanted + headset::kMemoryOutputs);
-    wanted_at(sequence, frame, std::span(batch.clean).subspan(wanted));
-    for (std::size_t j = 0; j < headset::kJudgements; ++j)
-      batch.clean[wanted + kAnswerOutputs + j] = is_visible(sequence, frame, j) ? 1 : 0;
-  }
-  batch.level.push_back(0);
-  batch.held.push_back(0);
-  ++batch.windows;
-}
-
-Batch MemoryTask::random_batch(std::size_t count, Random random) const {
-  Batch batch;
-  model::ViewsNetwork::Workspace memory(network_);
-  while (batch.windows < count) {
-    const Sequence& s = training_[random.below(training_.size())];
-    append(s, random.below(ticks_of(s) - recipe_.architecture.window + 1), &random, memory, batch);
-  }
-  return batch;
-}
-
-Batch MemoryTask::validation_batch(Random) const {
-  Batch batch;
-  model::ViewsNetwork::Workspace memory(network_);
-  const std::size_t count = std::min(recipe_.windows, validation_.size());
-  for (std::size_t i = 0; i < count; ++i)
-    append(validation_[i * validation_.size() / count], 0, nullptr, memory, batch);
-  return batch;
-}
-
-Result<std::string> MemoryTask::results_of(const std::filesystem::path& model) const {
-  MIEN_TRY_ASSIGN(const headset::ViewsFile standing, headset::read_views_file(model));
-  return standing.memory ? standing.memory->results : std::string();
-}
-
-Result<std::vector<model::Tensor>> MemoryTask::begin_with(const std::filesystem::path& model) {
-  MIEN_TRY_ASSIGN(headset::ViewsFile standing, headset::read_views_file(model));
-  if (!standing.memory ||
-      model::network_tensors(standing.memory->architecture) != model::network_tensors(recipe_.architecture))
-    return fail(ErrorCode::mismatch, "it has no memory of this size", model.string(),
-                "start from a model of the recipe's own architecture");
-  return std::move(standing.memory->network);
-}
-
-Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, const Progress& progress) {
-  headset::ViewsMemory& made = views_.memory.emplace();
-  made.architecture = recipe_.architecture;
-  made.network.assign(network.begin(), network.end());
-  made.recipe = recipe_.text;
-  MIEN_TRY_ASSIGN(const model::CausalNetwork runs,
-                  model::CausalNetwork::create(recipe_.architecture, made.network));
-  model::CausalNetwork::State state(runs);
-  headset::MomentFeatures moment;
-  moment.features.resize(kViews * views_.architecture.features);
-  std::vector<float> condition(recipe_.architecture.condition);
-  model::ViewsNetwork::Workspace memory(network_);
-  std::array<float, headset::kMemoryOutputs> outputs{};
-  std::array<float, kAnswerOutputs> wanted{};
-  struct Judged {
-    std::size_t half = 0;  // Every second wearer.
-    std::size_t judgement = 0;
-    float logit = 0;
-    bool hit = false;
-    double counts = 1;
-  };
-  std::vector<Judged> judged;
-  double squares = 0, mean_squares = 0, moment_squares = 0, weights = 0, hits = 0, told = 0, shut = 0,
-         rough = 0, true_rough = 0;
-  std::vector<double> gaze_deg;
-  for (std::size_t n = 0; n < validation_.size(); ++n) {
-    const Sequence& s = validation_[n];
-    if (!progress(static_cast<double>(n) / static_cast<double>(validation_.size()), "measuring"))
-      return fail(ErrorCode::cancelled, "stopped while measuring the model");
-    state.reset();
-    std::vector<std::array<float, face::kShapeCount>> answered, truth;
-    for (std::size_t tick = 0; tick < ticks_of(s); ++tick) {
-      const double frame = static_cast<double>(tick) * s.rate_hz / kFrameRateHz;
-      moment_at(s, frame, {}, moment);
-      headset::read_moment(network_, moment, s.rest, memory, condition);
-      runs.step(condition, state, outputs);
-      headset::add_moment_answer(condition, outputs);
-      if (frame < static_cast<double>(s.rest_end)) continue;
-      wanted_at(s, frame, wanted);
-      const std::span<const float> moments_answer = std::span(condition).last(kAnswerOutputs);
-      auto& answer = answered.emplace_back();
-      auto& real = truth.emplace_back();
-      for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-        // Half the distance in [-1, 1] is the distance of weights.
-        answer[k] = 0.5F * (std::clamp(outputs[k], -1.0F, 1.0F) + 1);
-        real[k] = 0.5F * (wanted[k] + 1);
-        const double error = double{answer[k] - real[k]};
-        const double of_mean = 0.5 * double{views_.mean_answer[k] - wanted[k]};
-        squares += error * error;
-        mean_squares += of_mean * of_mean;
-        const float by_itself = std::clamp(moments_answer[k], -1.0F, 1.0F);
-        moment_squares += 0.25 * double{by_itself - wanted[k]} * double{by_itself - wanted[k]};
-        ++weights;
-      }
-      const headset::Answer seen = headset::decode_answer(std::span(outputs).first<kAnswerOutputs>());
-      const headset::Answer is = headset::decode_answer(wanted);
-      for (std::size_t e = 0; e < 2; ++e) {
-        if (!std::isnan(wanted[headset::kGazeOutput + 2 * e]))
-          gaze_deg.push_back(kDegPerRad *
-                             std::hypot(double{seen.gaze_rad[2 * e] - is.gaze_rad[2 * e]},
-                                        double{seen.gaze_rad[2 * e + 1] - is.gaze_rad[2 * e + 1]}));
-        const bool closed = is.openness[e] < kShutEye, says = seen.openness[e] < kShutEye;
-        shut += closed ? 1 : 0;
-        told += says ? 1 : 0;
-        hits += closed && says ? 1 : 0;
-      }
-      for (std::size_t j = 0; j < headset::kJudgements; ++j) {
-        double sum = 0, count = 0;
-        for (const std::size_t i : headset::judged_outputs()[j]) {
-          if (std::isnan(wanted[i])) continue;
-          sum += std::abs(std::clamp(double{outputs[i]}, -1.0, 1.0) - double{wanted[i]});
-          ++count;
-        }
-        const bool visible = is_visible(s, frame, j);
-        judged.push_back(
-            {.half = s.film % 2,
-             .judgement = j,
-             .logit = outputs[kAnswerOutputs + j],
-             .hit = visible && count > 0 && sum <= count * double{headset::right_output_error(j)},
-             .counts = visible ? kSeenCounts : 1});
-      }
-    }
-    for (std::size_t f = 3; f < answered.size(); ++f)
-      for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-        const auto third = [&](const auto& of) {
-          return std::abs(double{of[f][k] - 3 * of[f - 1][k] + 3 * of[f - 2][k] - of[f - 3][k]});
-        };
-        rough += third(answered);
-        true_rough += third(truth);
-      }
-  }
-  // Of wearers without a rest nothing is known.
-  const std::size_t features = views_.architecture.features;
-  if (auto fitted = headset::fit_mirrored_eye(eyes_at_rest(training_, false, features),
-                                              eyes_at_rest(training_, true, features)))
-    made.mirrored_eye = *std::move(fitted);
-  solve::RocArea mirrored;
-  std::array<double, 2> eyes{}, said{};  // Of eyes as they are and mirrored; of those that are said to be.
-  for (const bool is : {false, true})
-    for (const std::vector<float>& eye : eyes_at_rest(validation_, is, features)) {
-      const float log_odds = made.mirrored_eye.logit(eye);
-      mirrored.add(logistic(log_odds), is);
-      ++eyes[is ? 1 : 0];
-      said[is ? 1 : 0] += log_odds > headset::kSurelyMirrored ? 1 : 0;
-    }
-  // The model's by all wearers; each half is judged by what the other half alone would have made.
-  std::array<std::array<synthetic::LogisticFit, headset::kJudgements>, 2> halves;
-  for (const Judged& one : judged) halves[one.half][one.judgement].add(one.logit, one.hit, one.counts);
-  // Where all wearers are of one half nothing judges them.
-  const bool apart = halves[0][0].frames() > 0 && halves[1][0].frames() > 0;
-  std::array<std::array<model::LogisticMap, headset::kJudgements>, 2> others;
-  for (std::size_t j = 0; j < headset::kJudgements; ++j) {
-    for (std::size_t half = 0; half < 2; ++half) others[half][j] = halves[1 - half][j].solve();
-    halves[0][j].add(halves[1][j]);
-    made.judgements[j] = halves[0][j].solve();
-  }
-  std::array<solve::Reliability, headset::kJudgements> reliability;
-  std::array<solve::RocArea, headset::kJudgements> roc;
-  for (const Judged& one : judged) {
-    const float p = others[one.half][one.judgement].at(one.logit);
-    reliability[one.judgement].add(p, one.hit, one.counts);
-    roc[one.judgement].add(p, one.hit);
-  }
-  nlohmann::json judgements = nlohmann::json::array();
-  for (std::size_t j = 0; j < headset::kJudgements; ++j)
-    judgements.push_back({{"ece", apart ? nlohmann::json(reliability[j].expected_error()) : nlohmann::json()},
-                          {"auc", apart ? nlohmann::json(roc[j].area()) : nlohmann::json()}});
-  std::ranges::sort(gaze_deg);
-  return nlohmann::json{{"headset",
-                         {{"mse", squares / std::max(1.0, weights)},
-                          {"mean_pose_mse", mean_squares / std::max(1.0, weights)},
-                          {"moment_mse", moment_squares / std::max(1.0, weights)},
-                          {"gaze_median_deg", gaze_deg.empty() ? 0.0 : quantile_of_sorted(gaze_deg, 0.5)},
-                          {"gaze_p90_deg", gaze_deg.empty() ? 0.0 : quantile_of_sorted(gaze_deg, 0.9)},
-                          {"closed_f1", 2 * hits / std::max(1.0, shut + told)},
-                          {"jitter_ratio", rough / std::max(1e-9, true_rough)},
-                          {"mirrored_eye",
-                           {{"auc", mirrored.area()},
-                            {"false_alarms", said[0] / std::max(1.0, eyes[0])},
-                            {"found", said[1] / std::max(1.0, eyes[1])}}},
-                          {"judgements", judgements}}}}
-      .dump();
-}
-
-Result<void> MemoryTask::write(const std::filesystem::path& path, const std::string& results) const {
-  headset::ViewsFile whole = views_;
-  whole.memory->results = results;
-  return headset::write_views_file(path, whole);
-}
-
-Result<std::unique_ptr<Task>> make_memory_task(Recipe recipe, const synthetic::HeadsetFilms& films,
-                                               headset::ViewsFile views, const sensor::Rig& rig,
-                                               const Progress& progress) {
-  return MemoryTask::create(std::move(recipe), films, std::move(views), rig, progress);
+  return std::make_unique<MemoryTask>(std::move(recipe), std::move(views), std::move(network),
+                                      std::move(training), std::move(validation));
 }
 
 }  // namespace mien::train

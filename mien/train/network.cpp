@@ -192,11 +192,6 @@ torch::Tensor run_views(const model::Architecture& a, const torch::Tensor& condi
 
 }  // namespace
 
-torch::Tensor predict_views(const model::Architecture& architecture, const Parameters& parameters,
-                            const torch::Tensor& condition, const Pass& pass) {
-  return run_views(architecture, condition, Cursor(parameters, pass));
-}
-
 Parameters fold_batch_norm(const model::Architecture& architecture, const Parameters& parameters,
                            const torch::Tensor& condition) {
   const at::NoGradGuard no_gradients;
@@ -216,16 +211,10 @@ Parameters fold_batch_norm(const model::Architecture& architecture, const Parame
   return folded;
 }
 
-torch::Tensor predict_at_once(const model::Architecture& architecture, const Parameters& parameters,
+torch::Tensor predict_at_once(const model::Architecture& a, const Parameters& parameters,
                               const torch::Tensor& condition, const Pass& pass) {
-  return architecture.kind == model::NetworkKind::views
-             ? predict_views(architecture, parameters, condition, pass)
-             : predict_causal(architecture, parameters, condition, pass);
-}
-
-torch::Tensor predict_causal(const model::Architecture& a, const Parameters& parameters,
-                             const torch::Tensor& condition, const Pass& pass) {
   Cursor use(parameters, pass);
+  if (a.kind == model::NetworkKind::views) return run_views(a, condition, use);
   torch::Tensor x = torch::relu(use.linear(condition.transpose(0, 1).contiguous())).to(torch::kFloat);
   for (std::size_t layer = 0; layer < a.layers; ++layer) x = x + use.recur(use.drop(x));
   return use.linear(x).to(torch::kFloat).transpose(0, 1);

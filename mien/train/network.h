@@ -33,28 +33,18 @@ struct Pass {
   bool batch_norm = false;
 };
 
-/// What a causal network answers: the same function as model::CausalNetwork from a fresh state on, frame by
-/// frame. Shapes: condition [sequences, frames, condition], result [sequences, frames, outputs] in fp32.
-[[nodiscard]] torch::Tensor predict_causal(const model::Architecture& architecture,
-                                           const Parameters& parameters, const torch::Tensor& condition,
-                                           const Pass& pass);
-
-/// What a network of pictures answers: the same function as model::ViewsNetwork. Shapes: condition
-/// [wearers, moments, model::views_condition()], a wearer's first moment at rest; result [wearers, moments,
-/// outputs] in fp32.
-[[nodiscard]] torch::Tensor predict_views(const model::Architecture& architecture,
-                                          const Parameters& parameters, const torch::Tensor& condition,
-                                          const Pass& pass);
+/// What a network answers that is not a window's. Shapes: condition [sequences, frames, condition], result
+/// [sequences, frames, outputs] in fp32. A causal one: the same function as model::CausalNetwork from a fresh
+/// state on, frame by frame. One of pictures: the same function as model::ViewsNetwork, of wearers and their
+/// moments, the first at rest, of model::views_condition() numbers.
+[[nodiscard]] torch::Tensor predict_at_once(const model::Architecture& architecture,
+                                            const Parameters& parameters, const torch::Tensor& condition,
+                                            const Pass& pass);
 
 /// Of a network of pictures that answers with Pass::batch_norm: the weights that answer the same without it,
 /// on pictures whose channels have the means and variances that they have in `condition`.
 [[nodiscard]] Parameters fold_batch_norm(const model::Architecture& architecture,
                                          const Parameters& parameters, const torch::Tensor& condition);
-
-/// Either of them, by the architecture's kind, which is not a window's.
-[[nodiscard]] torch::Tensor predict_at_once(const model::Architecture& architecture,
-                                            const Parameters& parameters, const torch::Tensor& condition,
-                                            const Pass& pass);
 
 /// The clean windows that the network sees in noisy ones, differentiable: the same function as
 /// model::Denoiser. Shapes: noisy [windows, frames, outputs], condition [windows, frames, condition], level

@@ -20,4 +20,16 @@ struct Parity {
 /// at levels from first to last; model::CausalNetwork on whole sequences, frame by frame.
 [[nodiscard]] Result<Parity> measure_parity(const model::ModelFile& model);
 
+/// How long libtorch takes for one cached step of a causal network: a frame's condition and the states in,
+/// weights and states out, without gradients, fp32.
+struct LibtorchStep {
+  double step_s = 0;              ///< The smallest of rounds' medians, as the run time's own is measured.
+  double largest_difference = 0;  ///< Of its answers from the run time's, in the network's range of -1 to 1.
+};
+
+/// On one thread, of which it makes libtorch's only one. Errors: unsupported (no causal network), mismatch
+/// (it answers otherwise than the run time by more than kParityLimit: then its time is worth nothing), the
+/// network's.
+[[nodiscard]] Result<LibtorchStep> measure_libtorch_step(const model::ModelFile& model);
+
 }  // namespace mien::train

@@ -1,101 +1,14 @@
 #include "mien/train/recipe.h"
 
-#include <fmt/format.h>
-
-#include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <set>
 #include <sstream>
 
-#include "mien/core/excerpt.h"
 #include "mien/core/toml.h"
+#include "mien/synthetic/recipe_table.h"
 
 namespace mien::train {
-namespace {
-
-/// Takes the known keys out of one table, remembers the first thing wrong, and complains about the keys left.
-class Section {
- public:
-  Section(const toml::table& table, std::string name, const std::string& where)
-      : table_(table), name_(std::move(name)), where_(where) {}
-
-  void number(const char* key, double& value, double low, double high) {
-    const auto given = find<double>(key);
-    if (given && !(*given >= low && *given <= high))
-      return wrong(key, fmt::format("is not between {} and {}", low, high));
-    if (given) value = *given;
-  }
-  template <class Integer>
-  void whole(const char* key, Integer& value, std::int64_t low, std::int64_t high) {
-    const auto given = find<std::int64_t>(key);
-    if (given && (*given < low || *given > high))
-      return wrong(key, fmt::format("is not between {} and {}", low, high));
-    if (given) value = static_cast<Integer>(*given);
-  }
-  void flag(const char* key, bool& value) { value = find<bool>(key).value_or(value); }
-  std::optional<std::string> choice(const char* key, const std::set<std::string>& choices) {
-    auto given = find<std::string>(key);
-    if (given && !choices.contains(*given))
-      wrong(key, fmt::format("is \"{}\", which is none of {}", excerpt(*given), fmt::join(choices, ", ")));
-    return given;
-  }
-  void whole_list(const char* key, std::vector<std::size_t>& value, std::int64_t low, std::int64_t high) {
-    known_.insert(key);
-    const toml::node* node = table_.get(key);
-    if (node == nullptr) return;
-    const toml::array* list = node->as_array();
-    if (list == nullptr || list->empty()) return wrong(key, "is no list of whole numbers");
-    value.clear();
-    for (const toml::node& item : *list) {
-      const auto number = item.value_exact<std::int64_t>();
-      if (!number || *number < low || *number > high)
-        return wrong(key, fmt::format("holds more than whole numbers from {} to {}", low, high));
-      value.push_back(static_cast<std::size_t>(*number));
-    }
-  }
-  /// A table inside, or an empty one.
-  toml::table inner(const char* key) {
-    known_.insert(key);
-    const toml::node* node = table_.get(key);
-    if (node == nullptr) return {};
-    if (node->is_table()) return *node->as_table();
-    wrong(key, "is no table");
-    return {};
-  }
-  Result<void> finish() {
-    for (const auto& [key, node] : table_)
-      if (!problem_ && !known_.contains(std::string(key.str())))
-        problem_ = Error{ErrorCode::bad_usage,
-                         fmt::format("{}{} is not a key of recipes", name_, excerpt(key.str())), where_,
-                         "see docs/guide/training.md"};
-    if (problem_) return std::unexpected(*problem_);
-    return {};
-  }
-
- private:
-  template <class T>
-  std::optional<T> find(const char* key) {
-    known_.insert(key);
-    const toml::node* node = table_.get(key);
-    if (node == nullptr) return std::nullopt;
-    auto value = node->value<T>();
-    if (!value) wrong(key, "has the wrong type");
-    return value;
-  }
-  void wrong(const char* key, const std::string& what) {
-    if (!problem_)
-      problem_ = Error{ErrorCode::out_of_range, fmt::format("{}{} {}", name_, key, what), where_, ""};
-  }
-  const toml::table& table_;
-  std::string name_;
-  const std::string& where_;
-  std::set<std::string> known_;
-  std::optional<Error> problem_;
-};
-
-}  // namespace
 
 Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) {
   const std::string where(where_view);
@@ -104,8 +17,8 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   Recipe r;
   r.text = text;
 
-  Section top(root, "", where);
-  top.whole("seed", r.seed, 0, std::numeric_limits<std::int64_t>::max());
+  synthetic::RecipeTable top(root, "", where);
+  top.number("seed", r.seed, 0, std::numeric_limits<std::int64_t>::max());
   const toml::table network = top.inner("network"), optimiser = top.inner("optimiser"),
                     noise = top.inner("noise"), augmentation = top.inner("augmentation"),
                     validation = top.inner("validation"), sampler = top.inner("sampler"),
@@ -115,7 +28,7 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   r.data = data.str();
   MIEN_TRY(top.finish());
 
-  Section n(network, "network.", where);
+  synthetic::RecipeTable n(network, "network.", where);
   const std::string name =
       n.choice("architecture", {"light", "faithful", "causal", "views"}).value_or("light");
   const bool known =
@@ -124,36 +37,36 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   const bool causal = r.architecture.kind == model::NetworkKind::causal;
   const bool views = r.architecture.kind == model::NetworkKind::views;
   r.presence_flags = name != "faithful";
-  n.whole("d_model", r.architecture.d_model, 32, 4096);
+  n.number("d_model", r.architecture.d_model, 32, 4096);
   if (views) {
-    n.whole("side", r.architecture.side, 16, 256);
-    n.whole("features", r.architecture.features, 1, 4096);
-    n.whole_list("widths", r.architecture.widths, 1, 1024);
+    n.number("side", r.architecture.side, 16, 256);
+    n.number("features", r.architecture.features, 1, 4096);
+    n.numbers("widths", r.architecture.widths, 1, 1024);
     r.architecture.layers = r.architecture.widths.size();
     r.architecture.condition = model::views_condition(r.architecture.side);
   } else {
-    n.whole("layers", r.architecture.layers, 1, 32);
+    n.number("layers", r.architecture.layers, 1, 32);
   }
   if (!causal && !views) {
-    n.whole("heads", r.architecture.heads, 1, 64);
-    n.whole("d_head", r.architecture.d_head, 32, 1024);
-    n.whole("ffn", r.architecture.ffn, 32, 16384);
+    n.number("heads", r.architecture.heads, 1, 64);
+    n.number("d_head", r.architecture.d_head, 32, 1024);
+    n.number("ffn", r.architecture.ffn, 32, 16384);
     n.flag("near_first", r.near_first);
   }
-  n.whole("window", r.architecture.window, 2, 1024);
+  n.number("window", r.architecture.window, 2, 1024);
   n.flag("presence_flags", r.presence_flags);
   n.number("dropout", r.dropout, 0, 0.9);
   MIEN_TRY(n.finish());
   if (const auto ok = model::check(r.architecture); !ok) return fail(ok.error().code, ok.error().what, where);
 
-  Section o(optimiser, "optimiser.", where);
+  synthetic::RecipeTable o(optimiser, "optimiser.", where);
   o.number("learning_rate", r.learning_rate, 1e-8, 1);
-  o.whole("batch", r.batch, 1, 65536);
-  o.whole("warm_up_steps", r.warm_up_steps, 0, kMany);
+  o.number("batch", r.batch, 1, 65536);
+  o.number("warm_up_steps", r.warm_up_steps, 0, kMany);
   o.flag("cosine_decay", r.cosine_decay);
   o.number("clip_norm", r.clip_norm, 0, 1e6);
   o.number("ema", r.ema, 0, 0.99999);
-  o.whole("ema_every", r.ema_every, 1, 100000);
+  o.number("ema_every", r.ema_every, 1, 100000);
   if (const auto precision = o.choice("precision", {"bf16", "fp32"})) r.bf16 = *precision == "bf16";
   if (const auto loss = o.choice("loss", {"l1", "l2", "points"}))
     r.loss = *loss == "l1" ? LossKind::l1 : *loss == "l2" ? LossKind::l2 : LossKind::points;
@@ -163,15 +76,15 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
     o.number("gaze_weight", r.gaze_weight, 0, 1e6);
   MIEN_TRY(o.finish());
 
-  Section s(noise, "noise.", where);
-  s.whole("levels", r.schedule.levels, 1, 100000);
+  synthetic::RecipeTable s(noise, "noise.", where);
+  s.number("levels", r.schedule.levels, 1, 100000);
   s.number("offset", r.schedule.offset, 0, 1);
   s.number("t_bias", r.t_bias, 0, 100);
   s.number("t_weight", r.t_weight, 0, 10);
   s.number("held_overlap", r.held_overlap, 0, 1);
   MIEN_TRY(s.finish());
 
-  Section a(augmentation, "augmentation.", where);
+  synthetic::RecipeTable a(augmentation, "augmentation.", where);
   double lab_noise_deg = r.lab_noise_rad * 180 / std::numbers::pi;
   a.number("lab_noise_deg", lab_noise_deg, 0, 45);
   r.lab_noise_rad = lab_noise_deg * std::numbers::pi / 180;
@@ -189,26 +102,26 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   a.number("skin_slope_error", r.skin_slope_error, 0, 1);
   MIEN_TRY(a.finish());
 
-  Section v(validation, "validation.", where);
-  v.whole("windows", r.windows, 1, kMany);
+  synthetic::RecipeTable v(validation, "validation.", where);
+  v.number("windows", r.windows, 1, kMany);
   v.number("every_s", r.every_s, 1, 1e9);
-  v.whole("every_steps", r.every_steps, 0, kMany);
+  v.number("every_steps", r.every_steps, 0, kMany);
   if (const auto score = v.choice("score", {"mse", "loss"}))
     r.score = *score == "mse" ? Score::mse : Score::loss;
   MIEN_TRY(v.finish());
 
-  Section d(sampler, "sampler.", where);
-  d.whole_list("steps", r.sampler_steps, 1, static_cast<std::int64_t>(r.schedule.levels));
-  d.whole("frames", r.sampler_frames, 1, kMany);
+  synthetic::RecipeTable d(sampler, "sampler.", where);
+  d.numbers("steps", r.sampler_steps, 1, static_cast<std::int64_t>(r.schedule.levels));
+  d.number("frames", r.sampler_frames, 1, kMany);
   MIEN_TRY(d.finish());
 
   if (root.contains("takes")) r.takes_share = kUsualTakesShare;
-  Section t(takes, "takes.", where);
+  synthetic::RecipeTable t(takes, "takes.", where);
   if (r.takes_share) t.number("share", *r.takes_share, 0, 1);
   MIEN_TRY(t.finish());
 
-  Section b(budget, "budget.", where);
-  b.whole("steps", r.steps, 0, kMany);
+  synthetic::RecipeTable b(budget, "budget.", where);
+  b.number("steps", r.steps, 0, kMany);
   b.number("seconds", r.seconds, 0, 1e9);
   MIEN_TRY(b.finish());
   if (r.steps == 0 && r.seconds == 0)

@@ -35,15 +35,15 @@ Result<void> check(const SpeechDataset& dataset) {
         s.closure.size() != s.blocks || s.voiced.size() != s.blocks)
       return fail(ErrorCode::mismatch, fmt::format("its arrays do not fit {} blocks", s.blocks),
                   "speech of " + s.voice);
-    for (const auto* values : {&s.mel, &s.mouth})
-      if (!std::ranges::all_of(*values, [](float x) { return std::isfinite(x); }))
-        return fail(ErrorCode::out_of_range, "it holds a number that is not finite", "speech of " + s.voice);
+    if (!all_finite(s.mel) || !all_finite(s.mouth))
+      return fail(ErrorCode::out_of_range, "it holds a number that is not finite", "speech of " + s.voice);
   }
   return {};
 }
 
-std::string hash_of(const SpeechDataset& dataset) {
+TaskData data_of(const SpeechDataset& dataset) {
   Sha256 hash;
+  std::size_t blocks = 0;
   hash.add_value(static_cast<std::uint64_t>(dataset.look_ahead));
   for (const std::string& name : synthetic::speech_shapes()) hash.add(std::as_bytes(std::span(name)));
   for (const SpeechSequence& s : dataset.sequences) {
@@ -51,14 +51,9 @@ std::string hash_of(const SpeechDataset& dataset) {
     hash.add_value(static_cast<std::uint64_t>(s.blocks));
     for (const auto* values : {&s.mel, &s.mouth, &s.closure, &s.voiced})
       hash.add(std::as_bytes(std::span(*values)));
+    blocks += s.blocks;
   }
-  return hash.hex();
-}
-
-std::size_t blocks_in(const SpeechDataset& dataset) {
-  std::size_t sum = 0;
-  for (const SpeechSequence& s : dataset.sequences) sum += s.blocks;
-  return sum;
+  return {.hash = hash.hex(), .frames = blocks};
 }
 
 /// Whether anybody speaks for a whole window.
@@ -73,52 +68,169 @@ WindowPlaces places_in(const SpeechDataset& dataset, std::size_t window) {
   return {std::move(blocks), window};
 }
 
-}  // namespace
-
-/// Sound to the mouth: models of speech::SpeechNetworkFile, of causal networks that take a step a block. One
-/// window of six is of sounds that are no speech.
-class SpeechTask final : public Task {
+/// Sound to the mouth, a step a block.
+class SpeechTask final
+    : public FileTask<speech::SpeechNetworkFile, speech::read_speech_network, speech::write_speech_network> {
  public:
-  [[nodiscard]] static Result<std::unique_ptr<SpeechTask>> create(Recipe recipe,
-                                                                  synthetic::SpeechDataset training,
-                                                                  synthetic::SpeechDataset validation);
+  SpeechTask(Recipe recipe, SpeechDataset training, SpeechDataset validation)
+      : FileTask(std::move(recipe), data_of(training), data_of(validation)),
+        training_(std::move(training)),
+        validation_(std::move(validation)) {
+    for (std::size_t i = 0; i < training_.sequences.size(); ++i)
+      if (training_.sequences[i].blocks >= recipe_.architecture.window)
+        (training_.sequences[i].speech ? spoken_ : others_).push_back(i);
+    model_.shapes = synthetic::speech_shapes();
+    model_.look_ahead = training_.look_ahead;
+    normalise_by(training_);
+  }
 
-  [[nodiscard]] const Recipe& recipe() const override { return recipe_; }
-  [[nodiscard]] Batch random_batch(std::size_t count, Random random) const override;
+  [[nodiscard]] Batch random_batch(std::size_t count, Random random) const override {
+    const std::size_t window = recipe_.architecture.window;
+    Batch batch;
+    while (batch.windows < count) {
+      const bool other = !others_.empty() && random.chance(kOthersShare);
+      const auto& among = other ? others_ : spoken_;
+      const SpeechSequence& sequence = training_.sequences[among[random.below(among.size())]];
+      const std::size_t first = random.below(sequence.blocks - window + 1);
+      std::vector<float> frames = frames_of(sequence, first);
+      // Other people's talk beside noise is talk.
+      const std::vector<float> about = other ? std::vector<float>() : draw_other(random);
+      augment_mel(frames, about, random);
+      append_window(sequence, first, frames, batch);
+    }
+    return batch;
+  }
+
   /// Half of them through other rooms and microphones, with other sounds about.
-  [[nodiscard]] Batch validation_batch(Random random) const override;
-  [[nodiscard]] std::string training_hash() const override;
-  [[nodiscard]] std::string validation_hash() const override;
-  [[nodiscard]] std::size_t training_frames() const override;
-  [[nodiscard]] std::size_t validation_frames() const override;
-  [[nodiscard]] Result<std::string> results_of(const std::filesystem::path& model) const override;
-  [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override;
+  [[nodiscard]] Batch validation_batch(Random random) const override {
+    Batch batch;
+    for (const WindowPlaces::Place& place :
+         places_in(validation_, recipe_.architecture.window).even(recipe_.windows)) {
+      const SpeechSequence& sequence = validation_.sequences[place.sequence];
+      std::vector<float> frames = frames_of(sequence, place.first);
+      if (batch.windows % 2 == 1)
+        augment_mel(frames, sequence.speech ? draw_other(random) : std::vector<float>(), random);
+      append_window(sequence, place.first, frames, batch);
+    }
+    return batch;
+  }
+
+  [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override {
+    MIEN_TRY_ASSIGN(speech::SpeechNetworkFile standing, speech::read_speech_network(model));
+    if (model::network_tensors(standing.architecture) != model::network_tensors(recipe_.architecture) ||
+        standing.shapes != model_.shapes || standing.look_ahead != model_.look_ahead)
+      return fail(ErrorCode::mismatch, "it is a network of another size, or tells other shapes",
+                  model.string(), "start from a model of the recipe's own architecture");
+    model_.mean = standing.mean;
+    model_.scale = standing.scale;
+    return std::move(standing.network);
+  }
+
   /// "speech": over validation, block by block: recall and false share of closures, the correlation of the
   /// jaw while something is said, and how often a voice is told in other sounds.
   [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,
-                                           const Progress& progress) override;
-  [[nodiscard]] Result<void> write(const std::filesystem::path& path,
-                                   const std::string& results) const override;
+                                           const Progress& progress) override {
+    constexpr float kClosed = 0.5F, kVoice = 0.5F;
+    model_.network.assign(network.begin(), network.end());
+    MIEN_TRY_ASSIGN(speech::SpeechNetwork runs, speech::SpeechNetwork::create(model_));
+    const std::size_t shapes = model_.shapes.size();
+    const double block_s = to_seconds(speech::kBlockDuration);
+    const std::size_t jaw = face::shape("jawOpen");
+    const auto jaw_at =
+        static_cast<std::size_t>(std::ranges::find(model_.shapes, "jawOpen") - model_.shapes.begin());
+    synthetic::ClosureScore closures;
+    synthetic::Correlation jaws;
+    double other_blocks = 0, talking = 0;
+    for (std::size_t i = 0; i < validation_.sequences.size(); ++i) {
+      if (!progress(static_cast<double>(i) / static_cast<double>(validation_.sequences.size()), "measuring"))
+        return fail(ErrorCode::cancelled, "stopped while measuring the model");
+      const SpeechSequence& s = validation_.sequences[i];
+      runs.reset();
+      std::vector<float> closed;
+      speech::HeardMouth mouth;
+      for (std::size_t b = 0; b < s.blocks; ++b) {
+        std::array<speech::MelFrame, speech::kFramesPerBlock> frames{};
+        for (std::size_t f = 0; f < speech::kFramesPerBlock; ++f)
+          std::copy_n(s.mel.begin() + static_cast<std::ptrdiff_t>(b * kConditionOfBlock + f * kMelBands),
+                      kMelBands, frames[f].begin());
+        runs.step(frames, mouth);
+        closed.push_back(mouth.closure);
+        if (s.voiced[b] > 0) jaws.add(double{s.mouth[b * shapes + jaw_at]}, double{mouth.weights[jaw]});
+        if (!s.speech) {
+          ++other_blocks;
+          talking += mouth.voice >= kVoice ? 1 : 0;
+        }
+      }
+      if (s.speech)
+        closures.add(synthetic::score_closures(synthetic::stretches_above(s.closure, kClosed, 0, block_s),
+                                               synthetic::stretches_above(closed, kClosed, 0, block_s)));
+    }
+    return nlohmann::json{{"speech",
+                           {{"closure_recall", closures.recall()},
+                            {"closure_false", closures.false_share()},
+                            {"closures", closures.truths},
+                            {"jaw_correlation", jaws.r()},
+                            {"voice_in_other_sounds", other_blocks == 0 ? 0 : talking / other_blocks}}}}
+        .dump();
+  }
 
  private:
-  SpeechTask(Recipe recipe, synthetic::SpeechDataset training, synthetic::SpeechDataset validation);
-  void normalise_by(const synthetic::SpeechDataset& dataset);
-  /// What is about in a window: of the training's sounds, or of what one of its voices says.
-  [[nodiscard]] std::vector<float> draw_other(Random& random) const;
-  void append_window(const synthetic::SpeechSequence& sequence, std::size_t first, std::span<float> frames,
-                     Batch& batch) const;
-  [[nodiscard]] std::vector<float> frames_of(const synthetic::SpeechSequence& sequence,
-                                             std::size_t first) const;
+  void normalise_by(const SpeechDataset& dataset) {
+    std::array<double, kMelBands> sum{}, squares{};
+    double frames = 0;
+    for (const SpeechSequence& s : dataset.sequences) {
+      if (!s.speech) continue;
+      for (std::size_t i = 0; i < s.mel.size(); ++i) {
+        sum[i % kMelBands] += double{s.mel[i]};
+        squares[i % kMelBands] += double{s.mel[i]} * double{s.mel[i]};
+      }
+      frames += static_cast<double>(s.mel.size()) / kMelBands;
+    }
+    frames = std::max(frames, 1.0);
+    for (std::size_t b = 0; b < kMelBands; ++b) {
+      const double mean = sum[b] / frames;
+      model_.mean[b] = static_cast<float>(mean);
+      model_.scale[b] = static_cast<float>(std::sqrt(std::max(squares[b] / frames - mean * mean, 0.01)));
+    }
+  }
 
-  Recipe recipe_;
-  synthetic::SpeechDataset training_;
-  synthetic::SpeechDataset validation_;
+  /// What is about in a window: of the training's sounds, or of what one of its voices says.
+  [[nodiscard]] std::vector<float> draw_other(Random& random) const {
+    constexpr double kSpeech = 0.15;  // Others talk.
+    const auto& among = others_.empty() || random.chance(kSpeech) ? spoken_ : others_;
+    const SpeechSequence& other = training_.sequences[among[random.below(among.size())]];
+    return frames_of(other, random.below(other.blocks - recipe_.architecture.window + 1));
+  }
+
+  void append_window(const SpeechSequence& sequence, std::size_t first, std::span<float> frames,
+                     Batch& batch) const {
+    const std::size_t shapes = model_.shapes.size();
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      batch.condition.push_back((frames[i] - model_.mean[i % kMelBands]) / model_.scale[i % kMelBands]);
+    for (std::size_t b = first; b < first + recipe_.architecture.window; ++b) {
+      for (std::size_t s = 0; s < shapes; ++s) batch.clean.push_back(2 * sequence.mouth[b * shapes + s] - 1);
+      batch.clean.push_back(2 * sequence.closure[b] - 1);
+      batch.clean.push_back(2 * sequence.voiced[b] - 1);
+    }
+    batch.level.push_back(0);
+    batch.held.push_back(0);
+    ++batch.windows;
+  }
+
+  [[nodiscard]] std::vector<float> frames_of(const SpeechSequence& sequence, std::size_t first) const {
+    const auto begin = sequence.mel.begin() + static_cast<std::ptrdiff_t>(first * kConditionOfBlock);
+    return {begin, begin + static_cast<std::ptrdiff_t>(recipe_.architecture.window * kConditionOfBlock)};
+  }
+
+  SpeechDataset training_;
+  SpeechDataset validation_;
   std::vector<std::size_t> spoken_, others_;  // Of the training's sequences.
-  speech::SpeechNetworkFile model_;
 };
 
-Result<std::unique_ptr<SpeechTask>> SpeechTask::create(Recipe recipe, SpeechDataset training,
-                                                       SpeechDataset validation) {
+}  // namespace
+
+Result<std::unique_ptr<Task>> make_speech_task(Recipe recipe, SpeechDataset training,
+                                               SpeechDataset validation) {
   if (recipe.architecture.kind != model::NetworkKind::causal)
     return fail(ErrorCode::bad_usage, "speech's network is a causal one", "[network] architecture",
                 "write architecture = \"causal\"");
@@ -140,184 +252,7 @@ Result<std::unique_ptr<SpeechTask>> SpeechTask::create(Recipe recipe, SpeechData
     if (!speaks_for(*data, recipe.architecture.window))
       return fail(ErrorCode::bad_usage, fmt::format("training or validation has no passage of {} blocks",
                                                     recipe.architecture.window));
-  return std::unique_ptr<SpeechTask>(
-      new SpeechTask(std::move(recipe), std::move(training), std::move(validation)));
-}
-
-SpeechTask::SpeechTask(Recipe recipe, SpeechDataset training, SpeechDataset validation)
-    : recipe_(std::move(recipe)), training_(std::move(training)), validation_(std::move(validation)) {
-  for (std::size_t i = 0; i < training_.sequences.size(); ++i)
-    if (training_.sequences[i].blocks >= recipe_.architecture.window)
-      (training_.sequences[i].speech ? spoken_ : others_).push_back(i);
-  model_.architecture = recipe_.architecture;
-  model_.shapes = synthetic::speech_shapes();
-  model_.look_ahead = training_.look_ahead;
-  model_.recipe = recipe_.text;
-  normalise_by(training_);
-}
-
-void SpeechTask::normalise_by(const SpeechDataset& dataset) {
-  std::array<double, kMelBands> sum{}, squares{};
-  double frames = 0;
-  for (const SpeechSequence& s : dataset.sequences) {
-    if (!s.speech) continue;
-    for (std::size_t i = 0; i < s.mel.size(); ++i) {
-      sum[i % kMelBands] += double{s.mel[i]};
-      squares[i % kMelBands] += double{s.mel[i]} * double{s.mel[i]};
-    }
-    frames += static_cast<double>(s.mel.size()) / kMelBands;
-  }
-  frames = std::max(frames, 1.0);
-  for (std::size_t b = 0; b < kMelBands; ++b) {
-    const double mean = sum[b] / frames;
-    model_.mean[b] = static_cast<float>(mean);
-    model_.scale[b] = static_cast<float>(std::sqrt(std::max(squares[b] / frames - mean * mean, 0.01)));
-  }
-}
-
-std::vector<float> SpeechTask::frames_of(const SpeechSequence& sequence, std::size_t first) const {
-  const auto begin = sequence.mel.begin() + static_cast<std::ptrdiff_t>(first * kConditionOfBlock);
-  return {begin, begin + static_cast<std::ptrdiff_t>(recipe_.architecture.window * kConditionOfBlock)};
-}
-
-std::vector<float> SpeechTask::draw_other(Random& random) const {
-  constexpr double kSpeech = 0.15;  // Others talk.
-  const auto& among = others_.empty() || random.chance(kSpeech) ? spoken_ : others_;
-  const SpeechSequence& other = training_.sequences[among[random.below(among.size())]];
-  return frames_of(other, random.below(other.blocks - recipe_.architecture.window + 1));
-}
-
-void SpeechTask::append_window(const SpeechSequence& sequence, std::size_t first, std::span<float> frames,
-                               Batch& batch) const {
-  const std::size_t shapes = model_.shapes.size();
-  for (std::size_t i = 0; i < frames.size(); ++i)
-    batch.condition.push_back((frames[i] - model_.mean[i % kMelBands]) / model_.scale[i % kMelBands]);
-  for (std::size_t b = first; b < first + recipe_.architecture.window; ++b) {
-    for (std::size_t s = 0; s < shapes; ++s) batch.clean.push_back(2 * sequence.mouth[b * shapes + s] - 1);
-    batch.clean.push_back(2 * sequence.closure[b] - 1);
-    batch.clean.push_back(2 * sequence.voiced[b] - 1);
-  }
-  batch.level.push_back(0);
-  batch.held.push_back(0);
-  ++batch.windows;
-}
-
-Batch SpeechTask::random_batch(std::size_t count, Random random) const {
-  const std::size_t window = recipe_.architecture.window;
-  Batch batch;
-  while (batch.windows < count) {
-    const bool other = !others_.empty() && random.chance(kOthersShare);
-    const auto& among = other ? others_ : spoken_;
-    const SpeechSequence& sequence = training_.sequences[among[random.below(among.size())]];
-    const std::size_t first = random.below(sequence.blocks - window + 1);
-    std::vector<float> frames = frames_of(sequence, first);
-    // Other people's talk beside noise is talk.
-    const std::vector<float> about = other ? std::vector<float>() : draw_other(random);
-    augment_mel(frames, about, random);
-    append_window(sequence, first, frames, batch);
-  }
-  return batch;
-}
-
-Batch SpeechTask::validation_batch(Random random) const {
-  Batch batch;
-  for (const WindowPlaces::Place& place :
-       places_in(validation_, recipe_.architecture.window).even(recipe_.windows)) {
-    const SpeechSequence& sequence = validation_.sequences[place.sequence];
-    std::vector<float> frames = frames_of(sequence, place.first);
-    if (batch.windows % 2 == 1)
-      augment_mel(frames, sequence.speech ? draw_other(random) : std::vector<float>(), random);
-    append_window(sequence, place.first, frames, batch);
-  }
-  return batch;
-}
-
-std::string SpeechTask::training_hash() const {
-  return hash_of(training_);
-}
-
-std::string SpeechTask::validation_hash() const {
-  return hash_of(validation_);
-}
-
-std::size_t SpeechTask::training_frames() const {
-  return blocks_in(training_);
-}
-
-std::size_t SpeechTask::validation_frames() const {
-  return blocks_in(validation_);
-}
-
-Result<std::string> SpeechTask::results_of(const std::filesystem::path& model) const {
-  MIEN_TRY_ASSIGN(const speech::SpeechNetworkFile standing, speech::read_speech_network(model));
-  return standing.results;
-}
-
-Result<std::vector<model::Tensor>> SpeechTask::begin_with(const std::filesystem::path& model) {
-  MIEN_TRY_ASSIGN(speech::SpeechNetworkFile standing, speech::read_speech_network(model));
-  if (model::network_tensors(standing.architecture) != model::network_tensors(recipe_.architecture) ||
-      standing.shapes != model_.shapes || standing.look_ahead != model_.look_ahead)
-    return fail(ErrorCode::mismatch, "it is a network of another size, or tells other shapes", model.string(),
-                "start from a model of the recipe's own architecture");
-  model_.mean = standing.mean;
-  model_.scale = standing.scale;
-  return std::move(standing.network);
-}
-
-Result<std::string> SpeechTask::assess(std::span<const model::Tensor> network, const Progress& progress) {
-  constexpr float kClosed = 0.5F, kVoice = 0.5F;
-  model_.network.assign(network.begin(), network.end());
-  MIEN_TRY_ASSIGN(speech::SpeechNetwork runs, speech::SpeechNetwork::create(model_));
-  const std::size_t shapes = model_.shapes.size();
-  const double block_s = to_seconds(speech::kBlockDuration);
-  const std::size_t jaw = face::shape("jawOpen");
-  const auto jaw_at =
-      static_cast<std::size_t>(std::ranges::find(model_.shapes, "jawOpen") - model_.shapes.begin());
-  synthetic::ClosureScore closures;
-  synthetic::Correlation jaws;
-  double other_blocks = 0, talking = 0;
-  for (std::size_t i = 0; i < validation_.sequences.size(); ++i) {
-    if (!progress(static_cast<double>(i) / static_cast<double>(validation_.sequences.size()), "measuring"))
-      return fail(ErrorCode::cancelled, "stopped while measuring the model");
-    const SpeechSequence& s = validation_.sequences[i];
-    runs.reset();
-    std::vector<float> closed;
-    speech::HeardMouth mouth;
-    for (std::size_t b = 0; b < s.blocks; ++b) {
-      std::array<speech::MelFrame, speech::kFramesPerBlock> frames{};
-      for (std::size_t f = 0; f < speech::kFramesPerBlock; ++f)
-        std::copy_n(s.mel.begin() + static_cast<std::ptrdiff_t>(b * kConditionOfBlock + f * kMelBands),
-                    kMelBands, frames[f].begin());
-      runs.step(frames, mouth);
-      closed.push_back(mouth.closure);
-      if (s.voiced[b] > 0) jaws.add(double{s.mouth[b * shapes + jaw_at]}, double{mouth.weights[jaw]});
-      if (!s.speech) {
-        ++other_blocks;
-        talking += mouth.voice >= kVoice ? 1 : 0;
-      }
-    }
-    if (s.speech)
-      closures.add(synthetic::score_closures(synthetic::stretches_above(s.closure, kClosed, 0, block_s),
-                                             synthetic::stretches_above(closed, kClosed, 0, block_s)));
-  }
-  return nlohmann::json{{"speech",
-                         {{"closure_recall", closures.recall()},
-                          {"closure_false", closures.false_share()},
-                          {"closures", closures.truths},
-                          {"jaw_correlation", jaws.r()},
-                          {"voice_in_other_sounds", other_blocks == 0 ? 0 : talking / other_blocks}}}}
-      .dump();
-}
-
-Result<void> SpeechTask::write(const std::filesystem::path& path, const std::string& results) const {
-  speech::SpeechNetworkFile whole = model_;
-  whole.results = results;
-  return speech::write_speech_network(path, whole);
-}
-
-Result<std::unique_ptr<Task>> make_speech_task(Recipe recipe, synthetic::SpeechDataset training,
-                                               synthetic::SpeechDataset validation) {
-  return SpeechTask::create(std::move(recipe), std::move(training), std::move(validation));
+  return std::make_unique<SpeechTask>(std::move(recipe), std::move(training), std::move(validation));
 }
 
 }  // namespace mien::train

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
@@ -13,7 +15,6 @@
 
 #include "mien/core/files.h"
 #include "mien/core/sha256.h"
-#include "mien/train/batch_stream.h"
 #include "mien/train/checkpoint.h"
 #include "mien/train/diffusion.h"
 #include "mien/train/network.h"
@@ -90,6 +91,34 @@ double take_step(const Recipe& recipe, const torch::Device& device, const NoiseM
   return loss.item<double>();
 }
 
+/// Batches of the steps to come, made while the device computes. Each is a function of the recipe's seed and
+/// of its step's number alone.
+class BatchStream {
+ public:
+  /// Keeps the task. `ahead`: batches that are made before they are asked for.
+  BatchStream(const Task& task, std::int64_t first_step, std::size_t ahead)
+      : task_(task), next_step_(first_step), ahead_(ahead) {}
+
+  /// That of the next step. Waits for it.
+  Batch next() {
+    while (coming_.size() <= ahead_)
+      coming_.push_back(std::async(std::launch::async, [this, step = next_step_++] {
+        const Recipe& recipe = task_.recipe();
+        return task_.random_batch(recipe.batch,
+                                  Random(recipe.seed).fork("batch", static_cast<std::uint64_t>(step)));
+      }));
+    Batch batch = coming_.front().get();
+    coming_.pop_front();
+    return batch;
+  }
+
+ private:
+  const Task& task_;
+  std::int64_t next_step_;
+  std::size_t ahead_;
+  std::deque<std::future<Batch>> coming_;
+};
+
 class Training {
  public:
   Training(Task& task, const TrainOptions& options, const Progress& progress)
@@ -101,7 +130,7 @@ class Training {
 
   Result<TrainReport> run() {
     MIEN_TRY(prepare());
-    MIEN_TRY(refuse_to_replace_another_kind());
+    MIEN_TRY(standing_score());  // Refuses to replace one that it cannot be compared with.
     MIEN_TRY(start());
     MIEN_TRY(loop());
     return finish();
@@ -120,9 +149,9 @@ class Training {
       from = " " + hash.hex();
     }
     validation_ = task_.validation_parts(Random(recipe_.seed).fork("validation"));
-    validation_hash_ = sha256(fmt::format("{} {} {} {}", task_.validation_hash(), recipe_.windows,
+    validation_hash_ = sha256(fmt::format("{} {} {} {}", task_.validation_data().hash, recipe_.windows,
                                           recipe_.seed, recipe_.score == Score::mse ? "mse" : "loss"));
-    run_ = sha256(fmt::format("{} {} {} {}{}", recipe_.text, task_.training_hash(), validation_hash_,
+    run_ = sha256(fmt::format("{} {} {} {}{}", recipe_.text, task_.training_data().hash, validation_hash_,
                               options_.device, from));
     return {};
   }
@@ -141,10 +170,6 @@ class Training {
                   "the model that stands here was measured on other data, so it cannot be compared",
                   options_.out.string(), "name another file, or use --force");
     return validation["score"].get<double>();
-  }
-  Result<void> refuse_to_replace_another_kind() const {
-    if (const auto standing = standing_score(); !standing) return std::unexpected(standing.error());
-    return {};
   }
 
   Result<void> start() {
@@ -166,8 +191,7 @@ class Training {
     state_.run = run_;
     state_.curve = kCurveHead;
     std::error_code code;
-    if (!fs::exists(checkpoint_path_, code)) return {};
-    if (options_.force) return {};
+    if (!fs::exists(checkpoint_path_, code) || options_.force) return {};
     if (!options_.resume)
       return fail(ErrorCode::bad_usage, "an unfinished run stands here", checkpoint_path_.string(),
                   "use --resume to go on with it, or --force to begin anew");
@@ -314,12 +338,12 @@ class Training {
               {"score", state_.best_score},
               {"loss", score.loss},
               {"mse", score.mse},
-              {"frames", task_.validation_frames()}}},
+              {"frames", task_.validation_data().frames}}},
             {"training",
              {{"steps", state_.step},
               {"best_step", state_.best_step},
               {"windows", state_.step * static_cast<std::int64_t>(recipe_.batch)},
-              {"frames", task_.training_frames()},
+              {"frames", task_.training_data().frames},
               {"seconds", std::round(state_.seconds)},
               {"device", options_.device},
               {"parameters", model::parameter_count(recipe_.architecture)}}}};

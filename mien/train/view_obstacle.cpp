@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kGlare = 0.3;
 /// Shares of the donning: when it comes, and for how long.
-constexpr double kLatest = 0.7, kShortest = 0.15, kLongest = 0.6;
+constexpr double kLatestBegin = 0.7, kShortest = 0.15, kLongest = 0.6;
 constexpr double kLeastAxis = 0.3, kMostAxis = 1.0, kMostEdge = 0.15;
 /// So often it is so wide that its edge is all but straight, as a mask's or a sleeve's.
 constexpr double kWide = 0.3, kWideAxis = 3;
@@ -36,7 +36,7 @@ float texture_at(const ViewObstacle& obstacle, float u, float v) {
 ViewObstacle draw_obstacle(std::size_t frames, Random& random) {
   ViewObstacle obstacle;
   const auto all = static_cast<double>(frames);
-  obstacle.begin = static_cast<std::size_t>(random.uniform(0, kLatest) * all);
+  obstacle.begin = static_cast<std::size_t>(random.uniform(0, kLatestBegin) * all);
   obstacle.end = obstacle.begin + 1 + static_cast<std::size_t>(random.uniform(kShortest, kLongest) * all);
   obstacle.is_glare = random.chance(kGlare);
   obstacle.x = random.uniform(0, 1);

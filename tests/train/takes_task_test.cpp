@@ -69,7 +69,7 @@ TEST_F(TakesTask, HalfIsOfTakesUnlessTold) {
 TEST_F(TakesTask, TheShareIsPartOfWhatIsComparedAndGoneOnWith) {
   const auto hashes = [&](const std::string& share) {
     const auto task = task_of(both(), toy_recipe(1, "[takes]\nshare = " + share + "\n"));
-    return (*task)->training_hash() + ", " + (*task)->validation_hash();
+    return (*task)->training_data().hash + ", " + (*task)->validation_data().hash;
   };
   EXPECT_EQ(hashes("0.25"), hashes("0.25"));
   EXPECT_NE(hashes("0.25"), hashes("0.5"));

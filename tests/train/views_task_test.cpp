@@ -98,7 +98,7 @@ TEST(ViewsTask, TheRunTimeAnswersAsLibtorchDoes) {
       runs->find(moment.first(4 * kSide * kSide), present[m], memory, features.emplace_back(found));
     }
     const torch::Tensor wanted =
-        predict_views(architecture, parameters, torch::tensor(condition).view({1, 4, -1}), {})[0];
+        predict_at_once(architecture, parameters, torch::tensor(condition).view({1, 4, -1}), {})[0];
     for (std::size_t m = 0; m < present.size(); ++m) {
       std::vector<float> differences(found), answer(architecture.outputs);
       for (std::size_t i = 0; i < found; ++i)
@@ -119,10 +119,10 @@ TEST(ViewsTask, FoldedWeightsAnswerAsBatchNormalisationDid) {
   torch::manual_seed(1);
   const torch::Tensor condition =
       torch::rand({6, 4, static_cast<std::int64_t>(architecture.condition)}) * 3 + 0.5;
-  const torch::Tensor normalised = predict_views(architecture, parameters, condition, {.batch_norm = true});
+  const torch::Tensor normalised = predict_at_once(architecture, parameters, condition, {.batch_norm = true});
   const Parameters folded = fold_batch_norm(architecture, parameters, condition);
   const auto furthest = [&](const Parameters& weights) {
-    return (predict_views(architecture, weights, condition, {}) - normalised).abs().max().item<float>();
+    return (predict_at_once(architecture, weights, condition, {}) - normalised).abs().max().item<float>();
   };
   EXPECT_LT(furthest(folded), 1e-3F);
   EXPECT_GT(furthest(parameters), 0.1F);

@@ -1,13 +1,11 @@
 #include "mien/synthetic/eyewear/eyewear_dataset.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "mien/builtin_face/builtin_face.h"
-#include "mien/core/excerpt.h"
 #include "mien/core/toml.h"
 #include "mien/eyewear/normalisation.h"
 #include "mien/performer/canvas.h"
@@ -16,6 +14,7 @@
 #include "mien/performer/script.h"
 #include "mien/performer/style.h"
 #include "mien/synthetic/eyewear/worn_glasses.h"
+#include "mien/synthetic/recipe_table.h"
 #include "mien/virtual/eyewear/eyewear_faults.h"
 #include "mien/virtual/eyewear/eyewear_wearer.h"
 #include "mien/virtual/eyewear/marker_poses.h"
@@ -121,31 +120,15 @@ Result<LightSequence> wear(const EyewearDataRecipe& recipe, const sensor::Rig& r
 }  // namespace
 
 Result<EyewearDataRecipe> parse_eyewear_data_recipe(std::string_view text, const std::string& where) {
-  const std::string place = where + ", [data]";
-  MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, place));
-  EyewearDataRecipe recipe;
+  MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, where + ", [data]"));
   constexpr std::int64_t kMostPeople = 100'000;
-  constexpr double kMostSeconds = 3600;
-  for (const auto& [key, value] : table) {
-    const auto whole = value.value_exact<std::int64_t>();
-    const auto number = value.value<double>();
-    const auto wrong = [&](std::string_view should) {
-      return fail(ErrorCode::out_of_range, fmt::format("[data] {} must be {}", key.str(), should), where);
-    };
-    if (key == "seed") {
-      if (!whole || *whole < 0) return wrong("a whole number, 0 or more");
-      recipe.seed = static_cast<std::uint64_t>(*whole);
-    } else if (key == "wearers" || key == "validation_wearers") {
-      if (!whole || *whole < 1 || *whole > kMostPeople) return wrong("a whole number from 1 to 100000");
-      (key == "wearers" ? recipe.wearers : recipe.validation_wearers) = static_cast<int>(*whole);
-    } else if (key == "seconds") {
-      if (!number || !(*number >= 12 && *number <= kMostSeconds)) return wrong("from 12 to 3600");
-      recipe.seconds = *number;
-    } else {
-      return fail(ErrorCode::malformed, fmt::format("[data] has no key \"{}\"", excerpt(key.str())), where,
-                  "use seed, wearers, validation_wearers and seconds");
-    }
-  }
+  EyewearDataRecipe recipe;
+  RecipeTable data(table, "data.", where);
+  data.number("seed", recipe.seed, 0, std::numeric_limits<std::int64_t>::max());
+  data.number("wearers", recipe.wearers, 1, kMostPeople);
+  data.number("validation_wearers", recipe.validation_wearers, 1, kMostPeople);
+  data.number("seconds", recipe.seconds, 12, 3600);
+  MIEN_TRY(data.finish());
   return recipe;
 }
 

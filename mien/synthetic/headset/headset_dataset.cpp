@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
-#include "mien/core/excerpt.h"
 #include "mien/core/sha256.h"
 #include "mien/core/toml.h"
 #include "mien/performer/canvas.h"
 #include "mien/performer/performer.h"
 #include "mien/performer/script.h"
 #include "mien/performer/style.h"
+#include "mien/synthetic/recipe_table.h"
 #include "mien/virtual/headset/headset_wearer.h"
 #include "mien/virtual/performers.h"
 
@@ -237,63 +236,22 @@ Result<std::vector<headset::HeadsetCamera>> film_cameras(const sensor::Rig& rig,
 Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view text, const std::string& where) {
   MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, where + ", [data]"));
   HeadsetDataRecipe recipe;
-  std::int64_t seed = 1, wearers = recipe.wearers, validation = recipe.validation_wearers,
-               donnings = recipe.donnings, frames = recipe.frames, neutral = recipe.neutral_frames,
-               side = recipe.side;
-  struct Whole {
-    std::int64_t* value;
-    std::int64_t least, most;
-  };
-  const std::map<std::string_view, Whole> wholes = {{"seed", {&seed, 0, INT64_MAX}},
-                                                    {"wearers", {&wearers, 1, 100'000}},
-                                                    {"validation_wearers", {&validation, 1, 10'000}},
-                                                    {"donnings", {&donnings, 1, 100}},
-                                                    {"frames", {&frames, 1, 100'000}},
-                                                    {"neutral_frames", {&neutral, 0, 1000}},
-                                                    {"side", {&side, 16, 256}}};
-  const std::map<std::string_view, double*> shares = {{"failing", &recipe.failing},
-                                                      {"eyes_alone", &recipe.poses.eyes_alone},
-                                                      {"winks", &recipe.poses.winks},
-                                                      {"closed_lips", &recipe.poses.closed_lips}};
-  for (const auto& [name, node] : table) {
-    const std::string_view key = name.str();
-    const auto out_of_range = [&](double least, double most) {
-      return fail(ErrorCode::out_of_range, fmt::format("{} must be {:g} to {:g}", key, least, most), where);
-    };
-    if (const auto whole = wholes.find(key); whole != wholes.end()) {
-      const auto value = node.value_exact<std::int64_t>();
-      if (!value) return fail(ErrorCode::malformed, fmt::format("{} must be a whole number", key), where);
-      const Whole& limits = whole->second;
-      if (*value < limits.least || *value > limits.most)
-        return out_of_range(static_cast<double>(limits.least), static_cast<double>(limits.most));
-      *limits.value = *value;
-    } else if (const auto into = shares.find(key); into != shares.end()) {
-      const auto share = node.is_number() ? node.value<double>() : std::nullopt;
-      if (!share) return fail(ErrorCode::malformed, fmt::format("{} must be a number", key), where);
-      if (!(*share >= 0 && *share <= 1)) return out_of_range(0, 1);
-      *into->second = *share;
-    } else if (key == "rates_hz") {
-      const toml::array* const rates = node.as_array();
-      if (rates == nullptr || rates->empty() ||
-          !std::ranges::all_of(*rates, [](const toml::node& rate) { return rate.is_number(); }))
-        return fail(ErrorCode::malformed, "rates_hz must be a list of numbers", where);
-      recipe.rates_hz.clear();
-      for (const toml::node& rate : *rates) recipe.rates_hz.push_back(rate.value_or(0.0));
-      if (!std::ranges::all_of(recipe.rates_hz, [](double hz) { return hz >= 1 && hz <= 130; }))
-        return out_of_range(1, 130);
-    } else {
-      return fail(ErrorCode::malformed, fmt::format("[data] has no key {}", excerpt(key)), where);
-    }
-  }
+  RecipeTable data(table, "data.", where);
+  data.number("seed", recipe.seed, 0, std::numeric_limits<std::int64_t>::max());
+  data.number("wearers", recipe.wearers, 1, 100'000);
+  data.number("validation_wearers", recipe.validation_wearers, 1, 10'000);
+  data.number("donnings", recipe.donnings, 1, 100);
+  data.number("frames", recipe.frames, 1, 100'000);
+  data.number("neutral_frames", recipe.neutral_frames, 0, 1000);
+  data.number("side", recipe.side, 16, 256);
+  data.number("failing", recipe.failing, 0, 1);
+  data.number("eyes_alone", recipe.poses.eyes_alone, 0, 1);
+  data.number("winks", recipe.poses.winks, 0, 1);
+  data.number("closed_lips", recipe.poses.closed_lips, 0, 1);
+  data.numbers("rates_hz", recipe.rates_hz, 1, 130);
+  MIEN_TRY(data.finish());
   if (recipe.poses.eyes_alone + recipe.poses.winks + recipe.poses.closed_lips > 1)
     return fail(ErrorCode::out_of_range, "eyes_alone, winks and closed_lips are more than all poses", where);
-  recipe.seed = static_cast<std::uint64_t>(seed);
-  recipe.wearers = static_cast<int>(wearers);
-  recipe.validation_wearers = static_cast<int>(validation);
-  recipe.donnings = static_cast<int>(donnings);
-  recipe.frames = static_cast<int>(frames);
-  recipe.neutral_frames = static_cast<int>(neutral);
-  recipe.side = static_cast<int>(side);
   return recipe;
 }
 

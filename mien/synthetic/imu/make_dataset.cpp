@@ -1,16 +1,13 @@
 #include "mien/synthetic/imu/make_dataset.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <limits>
 #include <numbers>
 #include <optional>
 
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/builtin_face/load_face.h"
-#include "mien/core/excerpt.h"
 #include "mien/core/toml.h"
 #include "mien/performer/head_motion.h"
 #include "mien/performer/performer.h"
@@ -18,6 +15,7 @@
 #include "mien/performer/script.h"
 #include "mien/performer/style.h"
 #include "mien/solve/trace_features.h"
+#include "mien/synthetic/recipe_table.h"
 #include "mien/virtual/imu/device_faults.h"
 #include "mien/virtual/imu/imu_session.h"
 #include "mien/virtual/performers.h"
@@ -151,55 +149,30 @@ Result<std::vector<dataset::Sequence>> perform_one(const DataRecipe& recipe, con
 
 Result<DataRecipe> parse_data_recipe(std::string_view text, const std::string& where) {
   MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, where + ", [data]"));
-  DataRecipe recipe;
-  const auto wrong = [&](std::string_view key, std::string_view should) {
-    return fail(ErrorCode::out_of_range, fmt::format("[data] {} must be {}", key, should), where);
-  };
   constexpr std::int64_t kMostPeople = 1'000'000;
   constexpr double kMostSeconds = 86'400;  // A day.
+  DataRecipe recipe;
   double kinematics_deg = recipe.kinematics.direction_rad * 180 / std::numbers::pi;
-  const std::map<std::string_view, std::pair<int*, std::int64_t>> counts = {
-      {"performers", {&recipe.performers, 1}}, {"validation_performers", {&recipe.validation_performers, 1}}};
-  const std::map<std::string_view, std::pair<double*, double>> sizes = {
-      {"device_share", {&recipe.device_share, 1}},
-      {"device_long_share", {&recipe.device_long_share, 1}},
-      {"device_moving_share", {&recipe.device_moving_share, 1}},
-      {"placement_mm", {&recipe.placement_mm, 50}},
-      {"kinematics_gain", {&recipe.kinematics.gain, 10}},
-      {"kinematics_deg", {&kinematics_deg, 180}}};
-  const std::map<std::string_view, double*> lengths = {{"seconds", &recipe.seconds},
-                                                       {"device_seconds", &recipe.device_seconds}};
-  for (const auto& [name, node] : table) {
-    const std::string_view key = name.str();
-    const std::optional<double> number = node.is_number() ? node.value<double>() : std::nullopt;
-    if (key == "identities") {
-      if (!node.is_boolean()) return wrong(key, "true or false");
-      recipe.identities = *node.value<bool>();
-    } else if (key == "seed") {
-      if (!node.is_integer() || *node.value<std::int64_t>() < 0)
-        return wrong(key, "a whole number, 0 or more");
-      recipe.seed = static_cast<std::uint64_t>(*node.value<std::int64_t>());
-    } else if (const auto count = counts.find(key); count != counts.end()) {
-      const auto& [value, least] = count->second;
-      if (!node.is_integer() || *node.value<std::int64_t>() < least ||
-          *node.value<std::int64_t>() > kMostPeople)
-        return wrong(key, fmt::format("a whole number from {} to {}", least, kMostPeople));
-      *value = static_cast<int>(*node.value<std::int64_t>());
-    } else if (const auto size = sizes.find(key); size != sizes.end()) {
-      const auto& [value, most] = size->second;
-      if (!number || !(*number >= 0 && *number <= most))
-        return wrong(key, fmt::format("a number from 0 to {}", most));
-      *value = *number;
-    } else if (const auto length = lengths.find(key); length != lengths.end()) {
-      if (!number || !(*number == 0 || (*number >= 1 && *number <= kMostSeconds)))
-        return wrong(key, fmt::format("0 or a number from 1 to {}", kMostSeconds));
-      *length->second = *number;
-    } else {
-      return fail(ErrorCode::malformed, fmt::format("[data] has no setting named {}", excerpt(key)), where);
-    }
-  }
+  RecipeTable data(table, "data.", where);
+  data.number("seed", recipe.seed, 0, std::numeric_limits<std::int64_t>::max());
+  data.number("performers", recipe.performers, 1, kMostPeople);
+  data.number("validation_performers", recipe.validation_performers, 1, kMostPeople);
+  data.number("seconds", recipe.seconds, 0, kMostSeconds);
+  data.number("device_seconds", recipe.device_seconds, 0, kMostSeconds);
+  data.number("device_share", recipe.device_share, 0, 1);
+  data.number("device_long_share", recipe.device_long_share, 0, 1);
+  data.number("device_moving_share", recipe.device_moving_share, 0, 1);
+  data.flag("identities", recipe.identities);
+  data.number("placement_mm", recipe.placement_mm, 0, 50);
+  data.number("kinematics_gain", recipe.kinematics.gain, 0, 10);
+  data.number("kinematics_deg", kinematics_deg, 0, 180);
+  MIEN_TRY(data.finish());
   if (table.contains("kinematics_deg"))
     recipe.kinematics.direction_rad = kinematics_deg * std::numbers::pi / 180;
+  for (const double seconds : {recipe.seconds, recipe.device_seconds})
+    if (seconds > 0 && seconds < 1)
+      return fail(ErrorCode::out_of_range, "data.seconds and data.device_seconds must be 0 or at least 1",
+                  where);
   if (recipe.seconds == 0 && (recipe.device_seconds == 0 || recipe.device_share == 0))
     return fail(ErrorCode::out_of_range, "[data] seconds and device_seconds leave nothing to perform", where);
   return recipe;

@@ -34,15 +34,7 @@ struct DataRecipe {
   /// none of it to all.
   double placement_mm = 3;            ///< Placement error along the skin, one sigma an axis.
   virt::KinematicsSpread kinematics;  ///< Drawn anew for each performer.
-  bool operator==(const DataRecipe& other) const {
-    return seed == other.seed && performers == other.performers &&
-           validation_performers == other.validation_performers && seconds == other.seconds &&
-           device_seconds == other.device_seconds && device_share == other.device_share &&
-           device_long_share == other.device_long_share && device_moving_share == other.device_moving_share &&
-           identities == other.identities && placement_mm == other.placement_mm &&
-           kinematics.gain == other.kinematics.gain &&
-           kinematics.direction_rad == other.kinematics.direction_rad;
-  }
+  bool operator==(const DataRecipe&) const = default;
 };
 
 /// Reads the table's text. Errors, which name the key: malformed, out_of_range, unknown keys.

@@ -193,29 +193,9 @@ double rms_of(const std::vector<float>& sound) {
 
 std::vector<float> make_other_sound(OtherSound kind, std::size_t samples, Random random) {
   std::vector<float> sound(samples);
-  switch (kind) {
-    case OtherSound::white:
-      add_white(random, sound);
-      break;
-    case OtherSound::pink:
-      add_pink(random, sound);
-      break;
-    case OtherSound::hum:
-      add_hum(random, sound);
-      break;
-    case OtherSound::music:
-      add_music(random, sound);
-      break;
-    case OtherSound::keyboard:
-      add_keyboard(random, sound);
-      break;
-    case OtherSound::breath:
-      add_breath(random, sound);
-      break;
-    case OtherSound::cough:
-      add_cough(random, sound);
-      break;
-  }
+  constexpr std::array kMakers = {add_white,    add_pink,   add_hum,  add_music,
+                                  add_keyboard, add_breath, add_cough};  // In the order of OtherSound.
+  kMakers[static_cast<std::size_t>(kind)](random, sound);
   const double rms = rms_of(sound);
   if (rms == 0) return sound;
   for (float& s : sound) s = static_cast<float>(std::clamp(kLevel / rms * double{s}, -1.0, 1.0));

@@ -1,17 +1,16 @@
 #include "mien/synthetic/speech/speech_dataset.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <utility>
 
-#include "mien/core/excerpt.h"
 #include "mien/core/toml.h"
 #include "mien/face/motion.h"
 #include "mien/performer/lines.h"
 #include "mien/speech/log_mel.h"
 #include "mien/speech/speech_network.h"
+#include "mien/synthetic/recipe_table.h"
 #include "mien/synthetic/speech/other_sounds.h"
 #include "mien/synthetic/speech/spoken_passage.h"
 #include "mien/virtual/performers.h"
@@ -121,24 +120,15 @@ std::vector<Voice> as_voices(std::span<const Person> people) {
 }  // namespace
 
 std::vector<Voice> voices_for(VoiceUse use) {
-  std::span<const std::string_view> variants;
-  std::span<const Person> people;
-  switch (use) {
-    case VoiceUse::training:
-      variants = kTrainingVariants;
-      people = kTrainingPeople;
-      break;
-    case VoiceUse::validation:
-      variants = kValidationVariants;
-      break;
-    case VoiceUse::confidence:
-      variants = kConfidenceVariants;
-      break;
-    case VoiceUse::test:
-      variants = kTestVariants;
-      people = kTestPeople;
-      break;
-  }
+  struct Speakers {
+    std::span<const std::string_view> variants;
+    std::span<const Person> people;
+  };
+  static const std::array<Speakers, 4> kSpeakers = {{{kTrainingVariants, kTrainingPeople},
+                                                     {kValidationVariants, {}},
+                                                     {kConfidenceVariants, {}},
+                                                     {kTestVariants, kTestPeople}}};
+  const auto& [variants, people] = kSpeakers[static_cast<std::size_t>(use)];
   std::vector<Voice> voices;
   const auto languages = performer::reading_languages();
   for (const std::string_view variant : variants)
@@ -161,38 +151,18 @@ std::vector<std::string> speech_shapes() {
 }
 
 Result<SpeechDataRecipe> parse_speech_data_recipe(std::string_view text, const std::string& where) {
-  const std::string place = where + ", [data]";
-  MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, place));
-  SpeechDataRecipe recipe;
+  MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, where + ", [data]"));
   constexpr std::int64_t kMostPassages = 1'000, kMostTimes = 100;
-  constexpr double kMostSeconds = 3600;
-  for (const auto& [key, value] : table) {
-    const auto whole = value.value_exact<std::int64_t>();
-    const auto number = value.value<double>();
-    const auto wrong = [&](std::string_view should) {
-      return fail(ErrorCode::out_of_range, fmt::format("[data] {} must be {}", key.str(), should), where);
-    };
-    if (key == "seed") {
-      if (!whole || *whole < 0) return wrong("a whole number, 0 or more");
-      recipe.seed = static_cast<std::uint64_t>(*whole);
-    } else if (key == "passages" || key == "validation_passages") {
-      if (!whole || *whole < 1 || *whole > kMostPassages) return wrong("a whole number from 1 to 1000");
-      (key == "passages" ? recipe.passages : recipe.validation_passages) = static_cast<int>(*whole);
-    } else if (key == "people" || key == "other_people") {
-      if (!whole || *whole < 0 || *whole > kMostTimes) return wrong("a whole number from 0 to 100");
-      (key == "people" ? recipe.people : recipe.other_people) = static_cast<int>(*whole);
-    } else if (key == "other_seconds") {
-      if (!number || !(*number >= 5 && *number <= kMostSeconds)) return wrong("from 5 to 3600");
-      recipe.other_seconds = *number;
-    } else if (key == "look_ahead") {
-      if (!whole || *whole < 0 || *whole > 1) return wrong("0 or 1");
-      recipe.look_ahead = static_cast<std::size_t>(*whole);
-    } else {
-      return fail(
-          ErrorCode::malformed, fmt::format("[data] has no key \"{}\"", excerpt(key.str())), where,
-          "use seed, passages, people, other_people, validation_passages, other_seconds and look_ahead");
-    }
-  }
+  SpeechDataRecipe recipe;
+  RecipeTable data(table, "data.", where);
+  data.number("seed", recipe.seed, 0, std::numeric_limits<std::int64_t>::max());
+  data.number("passages", recipe.passages, 1, kMostPassages);
+  data.number("validation_passages", recipe.validation_passages, 1, kMostPassages);
+  data.number("people", recipe.people, 0, kMostTimes);
+  data.number("other_people", recipe.other_people, 0, kMostTimes);
+  data.number("other_seconds", recipe.other_seconds, 5, 3600);
+  data.number("look_ahead", recipe.look_ahead, 0, 1);
+  MIEN_TRY(data.finish());
   return recipe;
 }
 

@@ -61,6 +61,7 @@ struct KinematicsSpread {
   double direction_rad = 0.26;  ///< 15 degrees: spread of the direction in which each shape moves each patch.
   /// The same people, each only by this share as unlike.
   [[nodiscard]] KinematicsSpread times(double share) const { return {share * gain, share * direction_rad}; }
+  bool operator==(const KinematicsSpread&) const = default;
 };
 
 /// The same sites with every shape's effect drawn anew around what it was.

@@ -146,7 +146,7 @@ TEST(DataRecipe, EveryWrongSettingIsRefusedByName) {
            {"seed = \"one\"", "seed"},
            {"performers = 0", "performers"},
            {"performers = 2000000", "performers"},
-           {"performers = 2.0", "performers"},
+           {"performers = 2.5", "performers"},
            {"validation_performers = 0", "validation_performers"},
            {"validation_performers = []", "validation_performers"},
            {"seconds = -1", "seconds"},

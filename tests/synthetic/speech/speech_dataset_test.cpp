@@ -90,9 +90,9 @@ TEST(SpeechDataset, SaysWhatIsWrongWithItsRecipe) {
   };
   EXPECT_EQ(complaint("passages = 3\nlook_ahead = 0\n"), "");
   EXPECT_THAT(complaint("passages = 0"), HasSubstr("from 1 to 1000"));
-  EXPECT_THAT(complaint("look_ahead = 2"), HasSubstr("0 or 1"));
+  EXPECT_THAT(complaint("look_ahead = 2"), HasSubstr("from 0 to 1"));
   EXPECT_THAT(complaint("other_seconds = nan"), HasSubstr("from 5 to 3600"));
-  EXPECT_THAT(complaint("voices = 3"), HasSubstr("use seed, passages"));
+  EXPECT_THAT(complaint("voices = 3"), HasSubstr("other_seconds, passages, people, seed"));
 }
 
 TEST(SpeechDataset, TellsWhatItsSpeakerSays) {
