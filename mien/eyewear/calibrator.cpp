@@ -39,22 +39,14 @@ bool SteadyWatch::steady() const {
 
 Calibrator::Calibrator(const sensor::Rig& rig) : names_(photo_sensor_names(rig)), maker_(rig) {}
 
-void Calibrator::guide(const Stretch& stretch) {
+void Calibrator::guide(StretchKind kind, DeviceTime begin, DeviceTime end) {
   if (stretches_.empty()) {
     before_ = in_force_;
     found_before_ = found_;
     maker_.reset();
   }
-  stretches_.push_back(stretch);
+  stretches_.push_back({kind, begin, end});
   hint_ = {};
-}
-
-void Calibrator::guide_neutral(DeviceTime begin, DeviceTime end) {
-  guide({true, begin, end});
-}
-
-void Calibrator::guide_range(DeviceTime begin, DeviceTime end) {
-  guide({false, begin, end});
 }
 
 void Calibrator::cancel() {
@@ -92,16 +84,8 @@ Calibrator::Change Calibrator::lead(DeviceTime frame, const GridLight& light) {
   }
   for (Stretch& stretch : stretches_) {
     if (frame < stretch.begin) continue;
-    if (!std::exchange(stretch.begun, true)) {
-      if (stretch.neutral)
-        maker_.begin_neutral();
-      else
-        maker_.begin_range();
-    }
-    if (stretch.neutral)
-      maker_.add_neutral(light);
-    else
-      maker_.add_range(light);
+    if (!std::exchange(stretch.begun, true)) maker_.begin(stretch.kind);
+    maker_.add(stretch.kind, light);
   }
   return change;
 }
@@ -120,8 +104,8 @@ Calibrator::Change Calibrator::finish(const Stretch& stretch) {
 Calibrator::Change Calibrator::watch(DeviceTime frame, const GridLight& light) {
   if (!steady_.add(light)) return Change::none;
   maker_.reset();
-  maker_.begin_neutral();
-  for (std::size_t i = 0; i < SteadyWatch::kFrames; ++i) maker_.add_neutral(steady_.frame(i));
+  maker_.begin(StretchKind::neutral);
+  for (std::size_t i = 0; i < SteadyWatch::kFrames; ++i) maker_.add(StretchKind::neutral, steady_.frame(i));
   Normalisation made = maker_.solve(in_force_);
   if (!made.complete) return Change::none;
   for (sensor::Score& score : made.scores)
@@ -155,8 +139,7 @@ Result<void> Calibrator::restore(const Normalisation& normalisation) {
 }
 
 bool Calibrator::wants_neutral() const {
-  if (stretches_.empty()) return !in_force_.complete;
-  return stretches_.front().neutral;
+  return stretches_.empty() ? !in_force_.complete : stretches_.front().kind == StretchKind::neutral;
 }
 
 }  // namespace mien::eyewear

@@ -50,8 +50,7 @@ class Calibrator {
   /// A guided stretch on the frames [begin, end), reference sensor's clock; given before the frame of its
   /// begin. The neutral's end puts a calibration in force, the range of motion's end one with measured
   /// ranges.
-  void guide_neutral(DeviceTime begin, DeviceTime end);
-  void guide_range(DeviceTime begin, DeviceTime end);
+  void guide(StretchKind kind, DeviceTime begin, DeviceTime end);
   /// Ends guidance and restores what was in force before its first stretch.
   void cancel();
   /// Change of the calibration at a frame.
@@ -82,11 +81,10 @@ class Calibrator {
 
  private:
   struct Stretch {
-    bool neutral = true;
+    StretchKind kind;
     DeviceTime begin, end;
     bool begun = false;
   };
-  void guide(const Stretch& stretch);
   Change lead(DeviceTime frame, const GridLight& light);
   Change finish(const Stretch& stretch);
   void fall_back();

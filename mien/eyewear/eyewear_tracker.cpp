@@ -87,11 +87,11 @@ tracker::Guidance EyewearTracker::guidance() const {
 }
 
 void EyewearTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
-  if (step == Step::neutral) calibrator_.guide_neutral(begin, end);
+  if (step == Step::neutral) calibrator_.guide(StretchKind::neutral, begin, end);
 }
 
 void EyewearTracker::guide_range(DeviceTime begin, DeviceTime end) {
-  calibrator_.guide_range(begin, end);
+  calibrator_.guide(StretchKind::range, begin, end);
 }
 
 void EyewearTracker::cancel_guidance() {

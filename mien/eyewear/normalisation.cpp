@@ -116,14 +116,6 @@ void NormalisationMaker::reset() {
   range_ = {};
 }
 
-void NormalisationMaker::begin_neutral() {
-  neutral_.begin(names_.size());
-}
-
-void NormalisationMaker::begin_range() {
-  range_.begin(names_.size());
-}
-
 Normalisation NormalisationMaker::solve(const Normalisation& before) const {
   Normalisation made = before;
   made.sensors.resize(names_.size());

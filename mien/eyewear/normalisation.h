@@ -48,6 +48,12 @@ void read_features(const Normalisation& normalisation, const GridLight& light, L
 /// names the source in messages.
 [[nodiscard]] Result<Normalisation> parse_normalisation(std::string_view json, const std::string& where);
 
+/// A stretch that a calibration is made of.
+enum class StretchKind : std::uint8_t {
+  neutral,  ///< The face at rest.
+  range,    ///< The range of motion.
+};
+
 /// Accumulates a neutral hold and a range of motion, frame by frame, and solves for the normalisation. Stores
 /// every frame's light, for medians: a blink in the hold has no influence. Allocates. Thread: one at a time.
 /// Method: docs/method/eyewear.md.
@@ -60,10 +66,9 @@ class NormalisationMaker {
 
   /// Drops all frames.
   void reset();
-  void begin_neutral();
-  void add_neutral(const GridLight& light) { neutral_.add(light); }
-  void begin_range();
-  void add_range(const GridLight& light) { range_.add(light); }
+  void begin(StretchKind kind) { stretch(kind).begin(names_.size()); }
+  /// A frame of a stretch that was begun; of another nothing is kept.
+  void add(StretchKind kind, const GridLight& light) { stretch(kind).add(light); }
 
   /// The normalisation by the stretches since the last reset; a missing one is taken from `before` (glasses
   /// that moved on the same face get a new neutral and keep their ranges). Complete where half of the sensors
@@ -80,6 +85,7 @@ class NormalisationMaker {
     void begin(std::size_t sensors);
     void add(const GridLight& seen);
   };
+  Stretch& stretch(StretchKind kind) { return kind == StretchKind::neutral ? neutral_ : range_; }
   void judge_neutral(Normalisation& made) const;
   void judge_range(Normalisation& made) const;
 

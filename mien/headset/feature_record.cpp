@@ -6,7 +6,6 @@
 #include <cmath>
 #include <string_view>
 
-#include "mien/core/bytes.h"
 #include "mien/sensor/payload.h"
 
 namespace mien::headset {

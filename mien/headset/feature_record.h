@@ -1,12 +1,11 @@
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <optional>
 #include <span>
 
+#include "mien/core/bytes.h"
 #include "mien/core/error.h"
 #include "mien/headset/picture_statistics.h"
 
@@ -31,10 +30,7 @@ struct FeatureRecord {
   [[nodiscard]] std::size_t count() const { return features.size() / sizeof(float); }
   /// Feature number `i`, below count().
   [[nodiscard]] float feature(std::size_t i) const {
-    std::uint32_t bits = 0;
-    std::memcpy(&bits, features.data() + i * sizeof(bits), sizeof(bits));
-    if constexpr (std::endian::native != std::endian::little) bits = __builtin_bswap32(bits);
-    return std::bit_cast<float>(bits);
+    return ByteReader(features.subspan(i * sizeof(float))).little<float>();
   }
 };
 

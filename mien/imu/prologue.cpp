@@ -33,10 +33,6 @@ constexpr double kMaxNodTilt = 20 * kRadPerDeg;    // Nod's axis from the horizo
 constexpr double kMaxShakeTilt = 20 * kRadPerDeg;  // Shake's axis from the vertical, rad.
 constexpr double kMaxHeadingSigma = 3 * kRadPerDeg;
 
-sensor::Score score(std::string name, double value, const char* unit, bool pass, std::string sentence) {
-  return {std::move(name), value, unit, pass, std::move(sentence)};
-}
-
 /// Whether the face sensors are ahead of the head's sensor (1), behind it (-1) or beside it (0), by the rig's
 /// positions; 1 without positions.
 double face_side(const sensor::Rig& rig) {
@@ -180,15 +176,15 @@ void Prologue::add_shake(const Frame& frame) {
 bool Prologue::judge_hold(Calibration& out) const {
   if (still_.count < kMinFrames) {
     out.scores.push_back(
-        score("neutral", 0, "", false,
-              "the head sensor sent nothing while you held still; check it and hold still again"));
+        {"neutral", 0, "", false,
+         "the head sensor sent nothing while you held still; check it and hold still again"});
     return false;
   }
   const double still_dps = still_.rms_rad_s() / kRadPerDeg;
-  out.scores.push_back(score("neutral", still_dps, "dps", still_.rms_rad_s() <= kMaxStillRate,
-                             still_.rms_rad_s() <= kMaxStillRate
-                                 ? "the head held still"
-                                 : "the head moved; hold still for three seconds again"));
+  out.scores.push_back({"neutral", still_dps, "dps", still_.rms_rad_s() <= kMaxStillRate,
+                        still_.rms_rad_s() <= kMaxStillRate
+                            ? "the head held still"
+                            : "the head moved; hold still for three seconds again"});
   return true;
 }
 
@@ -217,13 +213,12 @@ std::optional<Vec3> Prologue::judge_nod(const Vec3& up, Calibration& out) const 
   const double share = nodding_.axis_share();
   const bool nodded = first_turn_.has_value() && nodding_.largest_rad >= kMinNod;
   out.scores.push_back(
-      score("nod", nodding_.largest_rad / kRadPerDeg, "deg", nodded,
-            nodded ? "the nod was large enough" : "the nod was too small; nod by 15 degrees or more"));
+      {"nod", nodding_.largest_rad / kRadPerDeg, "deg", nodded,
+       nodded ? "the nod was large enough" : "the nod was too small; nod by 15 degrees or more"});
   const bool straight = nod_tilt <= kMaxNodTilt && share >= kMinAxisShare;
-  out.scores.push_back(score("nod axis", nod_tilt / kRadPerDeg, "deg", straight,
-                             straight
-                                 ? "the nod was straight"
-                                 : "the nod was mixed with other turns; nod straight down and up again"));
+  out.scores.push_back({"nod axis", nod_tilt / kRadPerDeg, "deg", straight,
+                        straight ? "the nod was straight"
+                                 : "the nod was mixed with other turns; nod straight down and up again"});
   if (!first_turn_ || level.norm() < 0.1) return std::nullopt;
   const Vec3 left = level.normalized();
   return left.dot(*first_turn_) < 0 ? Vec3(-left) : left;
@@ -242,18 +237,17 @@ Vec3 Prologue::judge_direction(const Vec3& up, Vec3 left, Calibration& out) cons
   if (outward.norm() > 0.1) {
     const bool agree = left.cross(up).dot(outward) > 0;
     if (!agree && !swung) left = -left;
-    out.scores.push_back(score(
-        "nod direction", agree ? 1 : 0, "", agree,
-        agree ? "the sensors' outward axes say the same of which way is ahead"
-        : swung
-            ? "the sensors' outward axes are wrong: the face swings as if it were behind them; mend the rig"
-            : "the nod began upwards, or the sensors' outward axes are wrong; nod down first"));
+    out.scores.push_back(
+        {"nod direction", agree ? 1.0 : 0.0, "", agree,
+         agree ? "the sensors' outward axes say the same of which way is ahead"
+         : swung
+             ? "the sensors' outward axes are wrong: the face swings as if it were behind them; mend the rig"
+             : "the nod began upwards, or the sensors' outward axes are wrong; nod down first"});
   } else if (swung) {
-    out.scores.push_back(score("nod direction", 1, "", true,
-                               down_first
-                                   ? "the nod began downwards, as the face's swing says too"
-                                   : "the nod's beginning was missed or upwards; the face's swing told "
-                                     "which way is ahead"));
+    out.scores.push_back({"nod direction", 1, "", true,
+                          down_first ? "the nod began downwards, as the face's swing says too"
+                                     : "the nod's beginning was missed or upwards; the face's swing told "
+                                       "which way is ahead"});
   }
   return left;
 }
@@ -263,24 +257,24 @@ void Prologue::judge_shake(const Vec3& up, Calibration& out) const {
   const double off = std::acos(std::clamp(std::abs(up.dot(shaking_.axis())), 0.0, 1.0));
   const bool good = off <= kMaxShakeTilt && shaking_.largest_rad >= kMinShake;
   out.scores.push_back(
-      score("shake", off / kRadPerDeg, "deg", good,
-            good ? "the shake was about the vertical that gravity gives"
-                 : "the shake was small or not about the vertical; sit upright and calibrate again"));
+      {"shake", off / kRadPerDeg, "deg", good,
+       good ? "the shake was about the vertical that gravity gives"
+            : "the shake was small or not about the vertical; sit upright and calibrate again"});
 }
 
 void Prologue::judge_sensors(Calibration& out) const {
   for (std::size_t i = 0; i < names_.size(); ++i) {
     SensorCalibration& sensor = out.sensors[i];
     if (!sensor.valid) {
-      out.scores.push_back(score("heading " + names_[i], 180, "deg", false,
-                                 "the sensor was silent in the prologue; check it and calibrate again"));
+      out.scores.push_back({"heading " + names_[i], 180, "deg", false,
+                            "the sensor was silent in the prologue; check it and calibrate again"});
       continue;
     }
     const bool good = sensor.heading_sigma_rad <= kMaxHeadingSigma;
     out.scores.push_back(
-        score("heading " + names_[i], sensor.heading_sigma_rad / kRadPerDeg, "deg", good,
-              good ? "the nod gave this sensor's heading"
-                   : "the nod does not tell how this sensor is headed; keep the face still and nod wider"));
+        {"heading " + names_[i], sensor.heading_sigma_rad / kRadPerDeg, "deg", good,
+         good ? "the nod gave this sensor's heading"
+              : "the nod does not tell how this sensor is headed; keep the face still and nod wider"});
     const ForceSums& f = force_[i];
     sensor.neutral_accel_m_s2 =
         out.q_head_ear *
@@ -295,10 +289,10 @@ Calibration Prologue::solve() const {
   if (!judge_hold(out)) return out;
   const double worst_spread = find_headings(out);
   if (nodding_.count < kMinFrames) return out;
-  out.scores.push_back(score("neutral face", worst_spread / kRadPerDeg, "deg", worst_spread <= kMaxFaceSpread,
-                             worst_spread <= kMaxFaceSpread
-                                 ? "the face held still"
-                                 : "the face moved while holding still; relax and hold still again"));
+  out.scores.push_back({"neutral face", worst_spread / kRadPerDeg, "deg", worst_spread <= kMaxFaceSpread,
+                        worst_spread <= kMaxFaceSpread
+                            ? "the face held still"
+                            : "the face moved while holding still; relax and hold still again"});
 
   // C: up from gravity, left from the nod's axis.
   const Vec3 up = ear_up_sum_.normalized();

@@ -21,10 +21,12 @@ const sensor::Score* score(const Normalisation& made, std::string_view name) {
 /// A hold with a blink, and a range of motion in which the first sensor moves a lot and the second does not.
 NormalisationMaker gathered() {
   NormalisationMaker maker(test::glasses_rig(2));
-  maker.begin_neutral();
-  for (int i = 0; i < 300; ++i) maker.add_neutral(lights(i % 60 < 8 ? -0.5 : -2 + 0.01 * (i % 3), -3));
-  maker.begin_range();
-  for (int i = 0; i < 1200; ++i) maker.add_range(lights(-2 + 0.8 * std::sin(0.02 * i), -3 + 0.001 * (i % 2)));
+  maker.begin(StretchKind::neutral);
+  for (int i = 0; i < 300; ++i)
+    maker.add(StretchKind::neutral, lights(i % 60 < 8 ? -0.5 : -2 + 0.01 * (i % 3), -3));
+  maker.begin(StretchKind::range);
+  for (int i = 0; i < 1200; ++i)
+    maker.add(StretchKind::range, lights(-2 + 0.8 * std::sin(0.02 * i), -3 + 0.001 * (i % 2)));
   return maker;
 }
 
@@ -53,8 +55,8 @@ TEST(Normalisation, RangesAreMeasuredAndShrunkToTheUsualOne) {
 TEST(Normalisation, ANeutralAloneKeepsTheRanges) {
   const Normalisation before = gathered().solve({});
   NormalisationMaker maker(test::glasses_rig(2));
-  maker.begin_neutral();
-  for (int i = 0; i < 300; ++i) maker.add_neutral(lights(-2.4, -2.2));
+  maker.begin(StretchKind::neutral);
+  for (int i = 0; i < 300; ++i) maker.add(StretchKind::neutral, lights(-2.4, -2.2));
   const Normalisation made = maker.solve(before);
   EXPECT_EQ(made.sensors[0].range, before.sensors[0].range);
   EXPECT_NEAR(made.sensors[0].neutral, -2.4, 1e-12);
@@ -64,11 +66,11 @@ TEST(Normalisation, ANeutralAloneKeepsTheRanges) {
 
 TEST(Normalisation, SaysWhatIsWrongWithASensor) {
   NormalisationMaker maker(test::glasses_rig(2));
-  maker.begin_neutral();
+  maker.begin(StretchKind::neutral);
   for (int i = 0; i < 300; ++i) {
     GridLight light = lights(std::log(0.004), std::log(0.99));
     light.saturated[1] = 1;
-    maker.add_neutral(light);
+    maker.add(StretchKind::neutral, light);
   }
   const Normalisation dim = maker.solve({});
   EXPECT_FALSE(score(dim, "light s0")->pass);
@@ -76,18 +78,19 @@ TEST(Normalisation, SaysWhatIsWrongWithASensor) {
   EXPECT_FALSE(score(dim, "light s1")->pass);
   EXPECT_NE(score(dim, "light s1")->sentence.find("end of its range"), std::string::npos);
 
-  maker.begin_neutral();
-  for (int i = 0; i < 300; ++i) maker.add_neutral(lights(-2, -2, i < 200));
+  maker.begin(StretchKind::neutral);
+  for (int i = 0; i < 300; ++i) maker.add(StretchKind::neutral, lights(-2, -2, i < 200));
   const Normalisation gone = maker.solve({});
   EXPECT_TRUE(gone.complete) << "half of the sensors do";
   EXPECT_FALSE(gone.sensors[1].valid);
   EXPECT_FALSE(score(gone, "light s1")->pass);
 
-  maker.begin_neutral();
-  for (int i = 0; i < 300; ++i) maker.add_neutral(lights(-2 + std::sin(0.1 * i), -2 - std::sin(0.1 * i)));
+  maker.begin(StretchKind::neutral);
+  for (int i = 0; i < 300; ++i)
+    maker.add(StretchKind::neutral, lights(-2 + std::sin(0.1 * i), -2 - std::sin(0.1 * i)));
   EXPECT_FALSE(score(maker.solve({}), "neutral face")->pass) << "it moved";
 
-  maker.begin_neutral();
+  maker.begin(StretchKind::neutral);
   EXPECT_FALSE(maker.solve({}).complete) << "nothing was seen";
 }
 

@@ -93,17 +93,17 @@ void WornGlasses::play(const face::Motion& motion, double seconds, const See& se
 
 eyewear::Normalisation WornGlasses::first_minute(const Random& random, const See& see) {
   eyewear::NormalisationMaker maker(rig_);
-  maker.begin_neutral();
+  maker.begin(eyewear::StretchKind::neutral);
   double since_s = 0;
   play(performer::mimic({}, kHoldS, {}, random.fork("hold")), kHoldS,
        [&](const eyewear::GridLight& light, const face::BlendshapeWeights& weights) {
-         if ((since_s += 1 / kFrameRateHz) > kSettleS) maker.add_neutral(light);
+         if ((since_s += 1 / kFrameRateHz) > kSettleS) maker.add(eyewear::StretchKind::neutral, light);
          if (see) see(light, weights);
        });
-  maker.begin_range();
+  maker.begin(eyewear::StretchKind::range);
   play(range_of_motion(random.fork("range")), kRangeS,
        [&](const eyewear::GridLight& light, const face::BlendshapeWeights& weights) {
-         maker.add_range(light);
+         maker.add(eyewear::StretchKind::range, light);
          if (see) see(light, weights);
        });
   return maker.solve({});
@@ -111,9 +111,11 @@ eyewear::Normalisation WornGlasses::first_minute(const Random& random, const See
 
 eyewear::Normalisation WornGlasses::hold_neutral(const eyewear::Normalisation& before, const Random& random) {
   eyewear::NormalisationMaker maker(rig_);
-  maker.begin_neutral();
+  maker.begin(eyewear::StretchKind::neutral);
   play(performer::mimic({}, kRemountS, {}, random), kRemountS,
-       [&](const eyewear::GridLight& light, const face::BlendshapeWeights&) { maker.add_neutral(light); });
+       [&](const eyewear::GridLight& light, const face::BlendshapeWeights&) {
+         maker.add(eyewear::StretchKind::neutral, light);
+       });
   return maker.solve(before);
 }
 
