@@ -36,9 +36,9 @@ Command add_helper_command(Commands& commands, const std::string& name, const st
 }  // namespace
 
 void add_study_command(Commands& commands) {
-  const Command study = add_helper_command(commands, "study",
-                                           "The experiments behind the numbers (helper mien-lab); rigs' skin",
-                                           "mien study placement --no-training --out placement", become_laboratory);
+  const Command study = add_helper_command(
+      commands, "study", "The experiments behind the numbers (helper mien-lab); rigs' skin",
+      "mien study placement --no-training --out placement", become_laboratory);
   add_skin_command(commands, study);
   study.pass_on();
 }

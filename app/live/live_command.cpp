@@ -216,8 +216,8 @@ void print_opening(std::FILE* out, const LiveSession& session) {
   fmt::print(out, "Ctrl-C ends it\n");
 }
 
-Result<void> print_closing(const live::EngineSummary& summary, bool json) {
-  if (json) {
+Result<void> print_closing(const live::EngineSummary& summary, bool as_json) {
+  if (as_json) {
     print_json(summary_json(summary));
   } else {
     fmt::print("{} frames, {} missed; {}\n", summary.frames, summary.missed, latency_text(summary.latency));

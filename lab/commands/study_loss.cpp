@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "app/chosen_face.h"
-#include "app/json_output.h"
 #include "app/command.h"
+#include "app/json_output.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
 #include "lab/commands/output.h"

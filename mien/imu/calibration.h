@@ -25,7 +25,7 @@ struct SensorCalibration {
   bool operator==(const SensorCalibration&) const = default;
 };
 
-/// Calibration of a rig's IMUs. The identity before the prologue and in the profile "lab".
+/// Calibration of a rig's IMUs. The identity before the prologue.
 struct Calibration {
   bool complete = false;                   ///< Neutral and nod were observed; a shake only adds scores.
   Quat q_head_ear = Quat::Identity();      ///< C: from the ear sensor's axes to the head's.

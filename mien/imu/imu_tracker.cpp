@@ -24,6 +24,7 @@ ImuTracker::ImuTracker(const sensor::Rig& rig, std::unique_ptr<tracker::FrameMod
                        const PipelineSettings& settings)
     : face_(rig.face_sensors()),
       pipeline_(rig, settings),
+      ready_(face_, settings.silence),
       model_(std::move(model)),
       learner_(rig.face_sensor_names()) {
   features_.sensors.resize(face_.size());
@@ -31,10 +32,12 @@ ImuTracker::ImuTracker(const sensor::Rig& rig, std::unique_ptr<tracker::FrameMod
 
 void ImuTracker::add(HostTime, const sensor::Sample& sample) {
   pipeline_.add(sample);
+  ready_.add(sample);
 }
 
 void ImuTracker::forget(std::uint16_t sensor) {
   pipeline_.forget(sensor);
+  ready_.forget(sensor);
 }
 
 tracker::TickResult ImuTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
@@ -44,6 +47,7 @@ tracker::TickResult ImuTracker::tick(DeviceTime frame, const sensor::TimeLines& 
   const auto report = [&](Event::Kind kind) { result.calibration.push_back({kind, modality(), {}}); };
 
   const std::optional<Event> change = pipeline_.tick(frame, lines, features_);
+  ready_.put(frame, features_);
   result.rested = pipeline_.rested();
   if (change) {
     report(change->kind);

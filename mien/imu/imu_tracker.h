@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mien/imu/pipeline.h"
+#include "mien/imu/ready_rotations.h"
 #include "mien/tracker/frame_model.h"
 #include "mien/tracker/tracker.h"
 #include "mien/tracker/wearer_learner.h"
@@ -65,6 +66,7 @@ class ImuTracker final : public tracker::Tracker {
 
   std::vector<std::uint16_t> face_;  // Numbers in the rig.
   Pipeline pipeline_;
+  ReadyRotations ready_;
   std::unique_ptr<tracker::FrameModel> model_;
   model::FeatureFrame features_;
   std::optional<DeviceTime> guided_until_;  // End of the guided steps.

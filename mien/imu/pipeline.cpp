@@ -87,11 +87,6 @@ std::optional<tracker::CalibrationEvent> Pipeline::tick(DeviceTime frame, const 
   if (followed && calibration.complete) s.drift.predict(dt_s);
   for (std::size_t i = 0; i < s.face.size(); ++i) {
     Channel& channel = s.channels[s.face[i]];
-    Quat lab;
-    if (channel.lab.at(frame, s.settings.silence, lab)) {
-      put_rotation(lab, out.sensors[i]);
-      continue;
-    }
     if (!calibration.complete || !calibration.sensors[i].valid) continue;
     const Gaps gaps = s.take_gaps(s.face[i], frame);
     if (gaps.sigma_rad > 0) s.drift.inflate(i, gaps.sigma_rad);

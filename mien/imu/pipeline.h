@@ -112,13 +112,13 @@ class Pipeline {
   /// Features of the frame at `frame` (reference sensor's clock): orientations interpolated between fused
   /// samples, or extrapolated, then held. Missing are sensors silent for longer than the limit, sensors too
   /// uncertain (unsure_rad), and all before a calibration. `out.sensors`: one entry a face sensor, in the
-  /// rig's order: rotation E_i and acceleration, frame H. Samples of the profile "lab" need no calibration.
+  /// rig's order: rotation E_i and acceleration, frame H.
   /// `lines`: every sensor's clock model, with all samples that were added. Returns what became of the
   /// calibration, if anything, without its modality; never withdrawn.
   std::optional<tracker::CalibrationEvent> tick(DeviceTime frame, const sensor::TimeLines& lines,
                                                 model::FeatureFrame& out);
 
-  /// The calibration in force; identity before one, and for the profile "lab".
+  /// The calibration in force; identity before one.
   [[nodiscard]] const Calibration& calibration() const;
   /// The same with the present headings and the adhesive's creep in the neutrals: for restore().
   [[nodiscard]] Calibration calibration_now() const;

@@ -199,11 +199,7 @@ void Pipeline::add(const Sample& sample) {
       if (sample.count < 7) return;
       s.add(channel, input(sample, true));
       return;
-    case SampleKind::imu_head_relative:
-      if (sample.count < 3) return;
-      channel.lab.add(sample.time, Vec3(sample.values[0], sample.values[1], sample.values[2]));
-      return;
-    default:  // Another modality's.
+    default:  // Another modality's, or ReadyRotations'.
       return;
   }
 }

@@ -25,43 +25,6 @@ inline constexpr Duration kSettleTime = std::chrono::milliseconds(200);
 inline constexpr Duration kDisorderLasts = std::chrono::seconds(10);
 inline constexpr Duration kFilledWithin = std::chrono::milliseconds(100);
 
-/// Newest rotations of one sensor of the profile "lab"; their times are on the reference sensor's clock.
-class LabTrack {
- public:
-  /// A rotation vector against the head, frame H, rad.
-  void add(DeviceTime time, const Vec3& rotation_vector) {
-    entries_[next_ % kSize] = {time, rotation_vector};
-    ++next_;
-  }
-
-  /// The sample nearest to the frame, into `out`; false where none is within `silence`. Not interpolated: the
-  /// mean of two would halve the variance of the noise that the profile adds.
-  [[nodiscard]] bool at(DeviceTime frame, Duration silence, Quat& out) const {
-    const Entry* best = nullptr;
-    Duration best_distance{};
-    for (std::size_t i = 0; i < std::min(next_, kSize); ++i) {
-      const Entry& entry = entries_[i];
-      const Duration distance = entry.time > frame ? entry.time - frame : frame - entry.time;
-      if (best == nullptr || distance < best_distance) {
-        best = &entry;
-        best_distance = distance;
-      }
-    }
-    if (best == nullptr || best_distance > silence) return false;
-    out = canonical(exp_rotation(best->rotation_vector));
-    return true;
-  }
-
- private:
-  struct Entry {
-    DeviceTime time;
-    Vec3 rotation_vector = Vec3::Zero();
-  };
-  static constexpr std::size_t kSize = 16;
-  std::array<Entry, kSize> entries_;
-  std::size_t next_ = 0;
-};
-
 /// Uncertainty that gaps added to an orientation since it was last read.
 struct Gaps {
   double sigma_rad = 0;         ///< One standard deviation, rad.
@@ -99,7 +62,6 @@ struct Channel {
   SampleHistory history;
   bool behind = false;  // The history has samples that are not integrated.
   OrientationTrack track;
-  LabTrack lab;
   double gap_sigma = 0;                  // The fusion's at the last take_gaps(), ...
   std::uint64_t restarts = 0;            // ... its restarts, ...
   std::optional<DeviceTime> gaps_until;  // ... and of which sample they were.

@@ -191,7 +191,7 @@ bool TimeLines::follow(HostTime arrival, const Sample& sample) {
 void TimeLines::add(HostTime arrival, const Sample& sample) {
   if (sample.sensor >= clocks_.size()) return;
   if (!begin_) begin_ = arrival;
-  if (sample.kind == SampleKind::imu_head_relative) {
+  if (is_on_frame_time(sample.kind)) {
     clocks_[sample.sensor].on_line = true;
     if (basis_ == Basis::open) basis_ = Basis::host;
     return;

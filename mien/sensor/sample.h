@@ -27,6 +27,12 @@ enum class SampleKind : std::uint8_t {
                  ///< itself, are the sample's payload.
 };
 
+/// Whether samples of a kind stand at frames' own times: no clock is estimated from them, no delay is waited
+/// for.
+constexpr bool is_on_frame_time(SampleKind kind) {
+  return kind == SampleKind::imu_head_relative;
+}
+
 inline constexpr std::size_t kMaxSampleValues = 16;
 
 /// One reading of one sensor at one device time.

@@ -55,13 +55,13 @@ void TickRule::add(HostTime arrival, const Sample& sample) {
   received.arrival = arrival;
   received.ever = true;
   watch_arrival(arrival, sample);
-  if (reference_ == sample.sensor && sample.kind != SampleKind::imu_head_relative) follow_reference(sample);
+  if (reference_ == sample.sensor && !is_on_frame_time(sample.kind)) follow_reference(sample);
   if (!next_ && lines_.ready()) begin();
 }
 
 void TickRule::watch_arrival(HostTime arrival, const Sample& sample) {
-  // An estimated time has its arrival's delay in it, and the lab's samples have none.
-  if (sample.time_estimated || sample.kind == SampleKind::imu_head_relative) return;
+  // An estimated time has its arrival's delay in it, and frames' own times have none.
+  if (sample.time_estimated || is_on_frame_time(sample.kind)) return;
   if (received_[sample.sensor].packets.add(sample.sequence, sample.time))
     hold_.add(sample.sensor, sample.sequence, arrival,
               arrival - lines_.clock(sample.sensor).to_host(sample.time));
