@@ -136,7 +136,7 @@ endfunction()
 
 # Makes a text file (TOML, a page's script or style) part of a room, which then reads none at run time: `symbol`, a
 # std::string_view of its text in the room's namespace, in `source` in the build folder. `path`: from the project's root.
-function(mien_embed_toml room path source symbol)
+function(mien_embed_text room path source symbol)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${path}")
   file(READ "${PROJECT_SOURCE_DIR}/${path}" text)
   file(CONFIGURE OUTPUT "${source}" CONTENT [[
@@ -144,7 +144,7 @@ function(mien_embed_toml room path source symbol)
 #include <string_view>
 namespace mien::@room@ {
 extern const std::string_view @symbol@;
-const std::string_view @symbol@ = R"toml(@text@)toml";
+const std::string_view @symbol@ = R"text(@text@)text";
 }  // namespace mien::@room@
 ]] @ONLY)
   target_sources(mien_${room} PRIVATE "${CMAKE_CURRENT_BINARY_DIR}/${source}")

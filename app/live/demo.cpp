@@ -15,6 +15,7 @@
 #include "app/live/demo_dataset.h"
 #include "app/live/demo_session.h"
 #include "app/live/perform_network.h"
+#include "app/live/running_session.h"
 #include "app/media_helper.h"
 #include "app/performance.h"
 #include "app/private_folder.h"

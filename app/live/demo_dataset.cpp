@@ -15,6 +15,7 @@
 #include "app/live/demo_session.h"
 #include "app/live/perform_network.h"
 #include "app/live/prompt_source.h"
+#include "app/live/running_session.h"
 #include "app/live/scripted_performance.h"
 #include "app/live/session_client.h"
 #include "mien/core/files.h"

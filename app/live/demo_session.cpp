@@ -4,8 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <cstdio>
-#include <exception>
-#include <utility>
 
 #include "app/live/page_address.h"
 
@@ -24,21 +22,6 @@ Result<LiveSession> open_demo_session(LiveRequest request) {
     std::fflush(stderr);
   }
   return opened;
-}
-
-RunningSession::RunningSession(live::Engine& engine)
-    : thread_([this, &engine] {
-        try {
-          summary_ = engine.run(stop_, live::EngineListener());
-        } catch (const std::exception& error) {
-          summary_ = fail(ErrorCode::internal, error.what(), "the live session");
-        }
-      }) {}
-
-Result<live::EngineSummary> RunningSession::finish() {
-  stop_ = true;
-  thread_.join();
-  return std::move(summary_);
 }
 
 }  // namespace mien::app

@@ -15,9 +15,9 @@
 #include <thread>
 
 #include "app/command.h"
-#include "app/live/demo_session.h"
 #include "app/live/live_session.h"
 #include "app/live/perform_network.h"
+#include "app/live/running_session.h"
 #include "lab/bench/clock.h"
 #include "lab/bench/loopback.h"
 #include "lab/commands/output.h"

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/live/demo_session.h"
+#include "app/live/running_session.h"
 #include "mien/core/files.h"
 #include "mien/live/intake.h"
 #include "mien/modalities/modalities.h"
