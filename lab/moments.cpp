@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string_view>
 #include <utility>
 
@@ -15,28 +14,8 @@
 namespace mien::lab {
 namespace {
 
-constexpr std::size_t kMomentReach = 2, kMomentFewest = 3;
 constexpr int kMomentsGap_px = 2, kLargestSide_px = 16384;
 constexpr render::Rgb kMomentsInk = {40, 42, 48}, kUnseenInk = {132, 138, 148};
-
-/// Of each frame how bad its neighbourhood is; not a number where there is none.
-std::vector<double> without_lone_frames(std::span<const float> error) {
-  std::vector<double> out(error.size(), std::nan(""));
-  for (std::size_t i = 0; i < error.size(); ++i) {
-    if (!std::isfinite(error[i])) continue;
-    const std::size_t end = std::min(error.size(), i + kMomentReach + 1);
-    double sum = 0, largest = error[i];
-    std::size_t there = 0;
-    for (std::size_t j = i - std::min(i, kMomentReach); j < end; ++j) {
-      if (!std::isfinite(error[j])) continue;
-      sum += error[j];
-      largest = std::max(largest, double{error[j]});
-      ++there;
-    }
-    if (there >= kMomentFewest) out[i] = (sum - largest) / static_cast<double>(there - 1);
-  }
-  return out;
-}
 
 bool is_seen(const std::optional<face::BlendshapeWeights>& weights) {
   return weights && std::ranges::all_of(weights->values, [](float w) { return std::isfinite(w); });
@@ -59,22 +38,6 @@ struct MomentsPen {
 };
 
 }  // namespace
-
-std::vector<std::size_t> worst_moments(std::span<const float> error, std::size_t count,
-                                       std::size_t apart_frames) {
-  const std::vector<double> badness = without_lone_frames(error);
-  std::vector<std::size_t> order(error.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::erase_if(order, [&](std::size_t i) { return std::isnan(badness[i]); });
-  std::ranges::sort(order, {}, [&](std::size_t i) { return std::pair(-badness[i], i); });
-  std::vector<std::size_t> worst;
-  for (const std::size_t i : order) {
-    if (worst.size() >= count) break;
-    if (std::ranges::none_of(worst, [&](std::size_t j) { return (i > j ? i - j : j - i) < apart_frames; }))
-      worst.push_back(i);
-  }
-  return worst;
-}
 
 Result<render::Image> moments_strip(const face::Face& face, std::span<const MomentRow> rows,
                                     std::span<const std::string> captions, int cell_px) {

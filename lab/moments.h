@@ -12,14 +12,6 @@
 
 namespace mien::lab {
 
-/// Where an answer is worst: indices into `error`, one value a frame, the worst first, any two of them at
-/// least `apart_frames` apart; at most `count`, fewer where there are no more. A frame counts by the mean of
-/// itself and its two neighbours to either side without the largest of these five, so that no frame that is
-/// alone in its error makes a moment. Not finite: not there; nor is a moment where less than three of the
-/// five are. Of equals the earlier. Pure.
-[[nodiscard]] std::vector<std::size_t> worst_moments(std::span<const float> error, std::size_t count,
-                                                     std::size_t apart_frames);
-
 /// One who says how the face was: the truth, or an answer.
 struct MomentRow {
   std::string name;  ///< Printable ASCII, as all that is written on pictures.

@@ -215,7 +215,7 @@ std::vector<measure::Table> motion_tables(std::span<const MotionStatistics> colu
     row(
         tables[0], std::string(summary.label), [&](const MotionStatistics& s) { return s.*summary.value; },
         summary.digits);
-  for (const MotionStatistics& other : columns.first(compared))
+  for (const MotionStatistics& other : columns.first(std::min(compared, columns.size())))
     row(
         tables[0], "agreement of correlations with " + other.name,
         [&](const MotionStatistics& s) { return correlation_agreement(s, other); }, 2);

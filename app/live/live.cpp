@@ -8,7 +8,6 @@
 #include "app/json_output.h"
 #include "app/live/live_command.h"
 #include "app/live/live_session.h"
-#include "app/live/phones_beside.h"
 #include "mien/modalities/modalities.h"
 #include "mien/session/replay.h"
 

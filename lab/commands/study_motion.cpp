@@ -24,7 +24,7 @@ struct StudyMotionOptions {
 
 Result<MotionStatistics> statistics_of(const std::string& file) {
   MIEN_TRY_ASSIGN(app::Performance performance, app::load_performance(file));
-  std::string name = performance.motion.name;
+  std::string name = app::one_line(performance.motion.name);
   MotionStatistics out = motion_statistics(std::span(&performance.motion, 1), std::move(name));
   if (out.duration_s == 0)
     return fail(ErrorCode::out_of_range, "nothing moves: it has fewer than two frames with a face", file,

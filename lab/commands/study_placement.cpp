@@ -150,9 +150,10 @@ Result<void> check_written_rig(const PlacementOptions& options) {
   return {};
 }
 
-/// The winner as a rig, and how it comes to live.
+/// The winner as a rig, and how it comes to live, its model by `recipe_text`.
 Result<std::string> write_winner(const PlacementOptions& options, const PlacementRigs& rigs,
-                                 const PlacementStudy& study, const std::filesystem::path& folder) {
+                                 const PlacementStudy& study, const std::filesystem::path& folder,
+                                 const std::string& recipe_text) {
   const std::string name = std::filesystem::path(options.write_rig).stem().string();
   MIEN_TRY_ASSIGN(const sensor::Rig rig,
                   worn_rig_of(study.chosen_candidates(), rigs.paper, app::one_line(name), {},
@@ -168,8 +169,6 @@ Result<std::string> write_winner(const PlacementOptions& options, const Placemen
   if (sensor::write_rig(back) != sensor::write_rig(rig))
     return fail(ErrorCode::internal, "the rig does not read back", options.write_rig);
   MIEN_TRY(write_file(options.write_rig, text));
-  MIEN_TRY_ASSIGN(const std::filesystem::path shipped, find_resource("models/recipes/placement.toml"));
-  MIEN_TRY_ASSIGN(const std::string recipe_text, read_text(shipped));
   const std::filesystem::path recipe = folder / "recipe.toml";
   MIEN_TRY(write_file(recipe, recipe_text));
   const std::string model =
@@ -184,6 +183,8 @@ Result<std::string> write_winner(const PlacementOptions& options, const Placemen
 
 Result<void> run_study_placement(PlacementOptions options) {
   MIEN_TRY(check_written_rig(options));
+  MIEN_TRY_ASSIGN(const std::filesystem::path shipped, find_resource("models/recipes/placement.toml"));
+  MIEN_TRY_ASSIGN(const std::string recipe_text, read_text(shipped));
   options.request.spacing_m = options.grid_mm / kMmPerM;
   options.request.objective = objective_of(options.objective);
   options.request.settings.noise_rad = options.noise_deg * kRadPerDeg;
@@ -205,7 +206,7 @@ Result<void> run_study_placement(PlacementOptions options) {
   MIEN_TRY(app::make_private_folders(folder));
   std::string written;
   if (!options.write_rig.empty()) {
-    MIEN_TRY_ASSIGN(written, write_winner(options, rigs, study, folder));
+    MIEN_TRY_ASSIGN(written, write_winner(options, rigs, study, folder, recipe_text));
   }
   const std::string subtitle =
       fmt::format("{} sensors on {}, seed {}{}", options.request.sensors, app::one_line(options.face),

@@ -1,8 +1,10 @@
 #include "mien/face/anchors.h"
 
+#include <cstdlib>
 #include <initializer_list>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "mien/face/target_names.h"
 
@@ -15,8 +17,11 @@ using Names = std::initializer_list<std::string_view>;
 BlendshapeWeights whole(Names names, Names halves = {}) {
   BlendshapeWeights weights;
   for (const auto& [given, weight] : {std::pair(names, 1.0F), std::pair(halves, 0.5F)})
-    for (const std::string_view name : given)
-      for (const std::size_t shape : shapes_named(name)) weights[shape] = weight;
+    for (const std::string_view name : given) {
+      const std::vector<std::size_t> shapes = shapes_named(name);
+      if (shapes.empty()) std::abort();  // A typing error in the table below.
+      for (const std::size_t shape : shapes) weights[shape] = weight;
+    }
   return weights;
 }
 

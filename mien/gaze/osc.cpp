@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "mien/core/bytes.h"
 
 namespace mien::gaze {

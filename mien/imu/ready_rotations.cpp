@@ -35,6 +35,7 @@ void ReadyRotations::put(DeviceTime frame, model::FeatureFrame& out) const {
             .first(std::min<std::size_t>(sensors_[i].added, sensors_[i].entries.size()));
     const auto nearest = std::ranges::min_element(entries, {}, distance);
     if (nearest == entries.end() || distance(*nearest) > silence_) continue;
+    out.sensors[i] = {};
     out.sensors[i].rotation = wxyz_of(canonical(exp_rotation(nearest->rotation_vector)));
     out.sensors[i].has_rotation = true;
   }

@@ -63,7 +63,7 @@ std::size_t other_side(std::size_t shape_of_one_side) {
   return other[shape_of_one_side];
 }
 
-bool is_led(std::size_t shape) {
+bool is_driven_by_others(std::size_t shape) {
   return kShapeNames[shape].starts_with("eyeLook") || shape == face::shape("mouthClose");
 }
 

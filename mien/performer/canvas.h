@@ -49,7 +49,7 @@ struct NamedPart {
 [[nodiscard]] std::size_t other_side(std::size_t shape_of_one_side);
 
 /// Whether a shape is never meant by itself: the gaze model moves eyeLook, mouthClose corrects jawOpen.
-[[nodiscard]] bool is_led(std::size_t shape);
+[[nodiscard]] bool is_driven_by_others(std::size_t shape);
 
 /// Intended motion at 60 Hz, before the person's style, blinks and limits. Layers add to it. All tracks have
 /// frame_count() entries.

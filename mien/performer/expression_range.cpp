@@ -25,7 +25,7 @@ Pose draw_overflow(Random& random) {
   const auto count = random.below(4);
   for (std::uint64_t i = 0; i < count; ++i) {
     const std::size_t k = random.below(kShapeCount);
-    if (is_led(k)) continue;
+    if (is_driven_by_others(k)) continue;
     const auto amount = static_cast<float>(random.uniform(0, 0.3));
     overflow.push_back({static_cast<std::uint8_t>(k), amount});
     if (other_side(k) != k && random.chance(0.7))

@@ -31,7 +31,7 @@ const std::array<std::vector<std::size_t>, kRegionCount>& region_shapes() {
   static const auto all = [] {
     std::array<std::vector<std::size_t>, kRegionCount> shapes;
     for (std::size_t k = 0; k < kShapeCount; ++k)
-      if (!is_led(k)) shapes[region_of(k)].push_back(k);
+      if (!is_driven_by_others(k)) shapes[region_of(k)].push_back(k);
     return shapes;
   }();
   return all;

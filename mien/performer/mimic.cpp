@@ -44,7 +44,7 @@ Answer answer(const PoseCue& cue, const Mimicry& mimicry, Random random) {
   for (std::uint64_t i = 0; i < unasked;) {
     const std::size_t k = random.below(kShapeCount);
     const double weight = random.uniform(0, mimicry.unasked);
-    if (is_led(k)) continue;
+    if (is_driven_by_others(k)) continue;
     out.pose[k] += static_cast<float>(weight);
     ++i;
   }

@@ -42,7 +42,7 @@ void miss(Canvas& canvas, const Prompt& prompt, double canvas_begin_s, Random ra
   const auto unasked = 1 + random.below(3);
   for (std::uint64_t i = 0; i < unasked;) {
     const std::size_t k = random.below(kShapeCount);
-    if (prompt.target[k] > 0 || is_led(k)) continue;
+    if (prompt.target[k] > 0 || is_driven_by_others(k)) continue;
     canvas.add(k, envelope, random.uniform(0, 0.3));
     ++i;
   }

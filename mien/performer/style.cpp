@@ -36,7 +36,7 @@ void draw_rest(Style& style, Random random) {
   // Most shapes rest near nothing, some well above: how people's faces hang, and how trackers see them.
   const double level = 0.035 * random.log_normal(0.5);
   for (std::size_t k = 0; k < kShapeCount; ++k) {
-    if (is_led(k)) continue;
+    if (is_driven_by_others(k)) continue;
     const std::size_t twin = other_side(k);
     if (twin < k) {
       style.rest[k] = static_cast<float>(style.rest[twin] * random.log_normal(0.15));
@@ -82,7 +82,9 @@ void draw_habits(Style& style, Random random) {
     const std::size_t to = random.below(kShapeCount);
     const double amount = random.uniform(0, 0.22);
     const bool near = is_mouth_or_jaw(from) == is_mouth_or_jaw(to);
-    if (from == to || is_led(from) || is_led(to) || kShapeNames[to].starts_with("eyeBlink")) continue;
+    if (from == to || is_driven_by_others(from) || is_driven_by_others(to) ||
+        kShapeNames[to].starts_with("eyeBlink"))
+      continue;
     if (!near && !random.chance(0.3)) continue;
     add_habit(style, from, to, amount);
     if (other_side(from) != from && other_side(to) != to)

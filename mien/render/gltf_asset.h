@@ -119,7 +119,8 @@ class GltfAsset {
   }
 
   std::size_t indices(std::span<const std::array<std::uint32_t, 3>> triangles) {
-    const std::span<const std::uint32_t> corners(triangles.data()->data(), 3 * triangles.size());
+    std::span<const std::uint32_t> corners;
+    if (!triangles.empty()) corners = {triangles.data()->data(), 3 * triangles.size()};
     return accessor(corners, kIndexData, kUnsignedInt, "SCALAR");
   }
 

@@ -268,6 +268,8 @@ struct Writer {
 }  // namespace
 
 bool is_session_command(std::string_view name) {
+  constexpr std::size_t kMostBytes = 64;  // Of a name: a longer one is no command's.
+  if (name.size() > kMostBytes) return false;
   const auto parsed = parse_command(dumped({{"command", name}}));
   return parsed || parsed.error().code != ErrorCode::unsupported;
 }

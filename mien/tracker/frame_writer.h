@@ -18,7 +18,7 @@ class FrameWriter {
   /// Fills `out` but for its weights, which are read as they are shown: after any filter. Provenance and
   /// confidence: as ShapeConfidence has them, by the coverage of the sensors that are there; returns what
   /// they explain. Head: as in the features. Eyes: neutral. `input` has just encoded `features`. No
-  /// allocation; under half a microsecond (lab/bench/library/frame_writer_bench.cpp).
+  /// allocation; under half a microsecond (docs/experiments/confidence.md).
   Explained write(const model::FeatureFrame& features, const ModelInput& input, face::OutputFrame& out) const;
 
   /// The share of present sensors, each weighted by the size of the ridge baseline's coefficients for the

@@ -3,71 +3,11 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <limits>
-#include <numbers>
 
 #include "mien/builtin_face/builtin_face.h"
 
 namespace mien::lab::moments_test {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
-/// Two humps, the higher one at 70, the lower one at 30.
-std::vector<float> humps() {
-  std::vector<float> error(100, 0.1F);
-  const auto add = [&](int at, float height) {
-    for (int i = -8; i <= 8; ++i)
-      error[static_cast<std::size_t>(at + i)] +=
-          height * std::cos(static_cast<float>(i) * std::numbers::pi_v<float> / 18);
-  };
-  add(30, 1);
-  add(70, 2);
-  return error;
-}
-
-TEST(WorstMoments, AreTheHighestFirst) {
-  EXPECT_THAT(worst_moments(humps(), 2, 20), ElementsAre(70, 30));
-  EXPECT_THAT(worst_moments(humps(), 1, 20), ElementsAre(70));
-  EXPECT_THAT(worst_moments(humps(), 0, 20), IsEmpty());
-}
-
-TEST(WorstMoments, StandApart) {
-  const auto close = worst_moments(humps(), 3, 3);
-  EXPECT_THAT(close, ElementsAre(70, 67, 73));
-  const auto apart = worst_moments(humps(), 50, 25);
-  ASSERT_GE(apart.size(), 3U);
-  for (std::size_t i = 0; i < apart.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      EXPECT_GE(std::abs(static_cast<int>(apart[i]) - static_cast<int>(apart[j])), 25);
-  // Nothing to keep apart: each frame once.
-  EXPECT_EQ(worst_moments(humps(), 1'000, 0).size(), 100U);
-}
-
-TEST(WorstMoments, AreNoLoneFrames) {
-  std::vector<float> error = humps();
-  error[10] = 1'000;
-  EXPECT_THAT(worst_moments(error, 2, 20), ElementsAre(70, 30));
-  error[10] = std::numeric_limits<float>::infinity();
-  EXPECT_THAT(worst_moments(error, 2, 20), ElementsAre(70, 30));
-}
-
-TEST(WorstMoments, AreWhereThereIsAFace) {
-  std::vector<float> error = humps();
-  for (std::size_t i = 60; i < 81; ++i) error[i] = kNone;
-  EXPECT_THAT(worst_moments(error, 1, 20), ElementsAre(30));
-  // A frame or two between gaps tell nothing.
-  error[70] = error[71] = 50;
-  EXPECT_THAT(worst_moments(error, 1, 20), ElementsAre(30));
-  error[72] = 50;
-  EXPECT_THAT(worst_moments(error, 2, 20), ElementsAre(70, 30)) << "of equals the earlier";
-  EXPECT_THAT(worst_moments(std::vector<float>(9, kNone), 3, 1), IsEmpty());
-  EXPECT_THAT(worst_moments({}, 3, 1), IsEmpty());
-  EXPECT_THAT(worst_moments(std::vector<float>{1, 1}, 3, 1), IsEmpty());
-}
 
 class MomentsStrip : public ::testing::Test {
  protected:

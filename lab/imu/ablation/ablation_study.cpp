@@ -437,7 +437,10 @@ Result<std::vector<AblationRow>> chosen_rows(const sensor::Rig& rig, bool takes,
   std::vector<std::string> known;
   for (const AblationRow& row : all) known.push_back(row.name);
   for (const std::string& name : names)
-    if (std::ranges::find(known, name) == known.end())
+    if (!takes && (name == "takes_alone" || name == "takes_too"))
+      return fail(ErrorCode::bad_usage, "row " + name + " learns from takes", "--rows",
+                  "give --takes FOLDER for it");
+    else if (std::ranges::find(known, name) == known.end())
       return fail(ErrorCode::not_found, fmt::format("there is no row {}{}", name, did_you_mean(name, known)),
                   "--rows", fmt::format("the rows are {}", fmt::join(known, ", ")));
   std::erase_if(all, [&](const AblationRow& row) {

@@ -24,6 +24,7 @@ Result<EyewearFaults> parse_eyewear_faults(std::string_view text, const std::str
       {"tissue_mm", 0, 20},          {"tissue_s", 1e-3, 1e6},    {"mount_shift_mm", 0, 30},
       {"mount_tilt_deg", 0, 45},     {"clock_drift_ppm", 0, 1e4}};
   MIEN_TRY_ASSIGN(const EyewearFaults faults, parse_fault_table<EyewearFaults>(text, where, kLimits));
+  if (faults.fit_mm[0] > 100) return fail(ErrorCode::out_of_range, "fit_mm must begin at 0.1 to 100", where);
   if (faults.adc_bits != std::floor(faults.adc_bits))
     return fail(ErrorCode::out_of_range, "adc_bits must be a whole number", where);
   return faults;

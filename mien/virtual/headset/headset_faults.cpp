@@ -53,7 +53,10 @@ Result<HeadsetFaults> parse_headset_faults(std::string_view text, const std::str
                                            {"clock_drift_ppm", 0, 1e4},
                                            {"period_jitter_ms", 0, 20},
                                            {"lost", 0, 1}};
-  return parse_fault_table<HeadsetFaults>(text, where, kLimits);
+  MIEN_TRY_ASSIGN(const HeadsetFaults faults, parse_fault_table<HeadsetFaults>(text, where, kLimits));
+  if (faults.focus_mm[0] > 1e4)
+    return fail(ErrorCode::out_of_range, "focus_mm must begin at 5 to 10000", where);
+  return faults;
 }
 
 }  // namespace mien::virt

@@ -54,7 +54,7 @@ struct PhoneFaults {
 /// resting`.
 [[nodiscard]] PhoneFaults usual_phone();
 
-/// Errors: malformed TOML, unknown keys; out_of_range: as FaultTable::read() has it, a rate that is neither
+/// Errors: malformed TOML, unknown keys; out_of_range: as read_fault_table() has it, a rate that is neither
 /// 60 nor 30, a share or a sigma of weights above 1, lag, delay or smoothing above 2 s, drift above 1e4 ppm.
 /// `where` names the source in messages.
 [[nodiscard]] Result<PhoneFaults> parse_phone_faults(std::string_view toml, const std::string& where);

@@ -27,7 +27,7 @@ struct MicrophoneFaults {
   bool operator==(const MicrophoneFaults&) const = default;
 };
 
-/// Errors: malformed TOML, unknown keys; out_of_range: as FaultTable::read() has it, a share above 1, drift
+/// Errors: malformed TOML, unknown keys; out_of_range: as read_fault_table() has it, a share above 1, drift
 /// above 1e4 ppm. `where` names the source in messages.
 [[nodiscard]] Result<MicrophoneFaults> parse_microphone_faults(std::string_view toml,
                                                                const std::string& where);

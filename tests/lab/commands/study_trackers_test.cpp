@@ -147,7 +147,7 @@ TEST_F(StudyTrackersCommand, SaysInALineWhatCannotBeCompared) {
   refused(with({late}, {"--offset", "lat=1"}), "did you mean late?");
   refused(with({late}, {"--offset", "late=soon"}), "NAME=SECONDS");
   refused({"study", "trackers", "--curves", late, "--out", folder / "out"}, "--truth");
-  refused({"study", "trackers"}, "is missing");
+  refused({"study", "trackers"}, "--truth is missing");
 }
 
 }  // namespace

@@ -231,6 +231,9 @@ TEST(AblationRows, ChosenOnesHaveTheBaseBeforeThem) {
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error().code, ErrorCode::not_found);
   EXPECT_NE(unknown.error().what.find("did you mean five_sensors?"), std::string::npos);
+  const auto without_takes = chosen_rows(default_rig(), false, std::array<std::string, 1>{"takes_too"});
+  ASSERT_FALSE(without_takes);
+  EXPECT_EQ(without_takes.error().code, ErrorCode::bad_usage);
 }
 
 }  // namespace
