@@ -37,7 +37,7 @@ struct SharedStart {
   std::atomic<bool> cameras_on = false;    ///< Pictures can be asked for: what was rendered first is over.
   std::atomic<bool> boards_ready = false;  ///< Their receiver has answered, or is not waited for any longer.
   std::atomic<bool> stopped = false;       ///< One of the two has failed or was stopped: the other ends, too.
-  /// The performance's time 0, which lies ahead; that of the clock: not known yet.
+  /// Time 0 of the performance, which lies ahead; the clock's epoch until it is known.
   std::atomic<Clock::time_point> begin = Clock::time_point();
 };
 

@@ -16,7 +16,8 @@ class Newest {
   /// The place of the next value, which still holds one that is forgotten.
   Value& push() { return values_[count_++ % N]; }
   void push(const Value& value) { push() = value; }
-  /// Takes the newest one back; not empty.
+  /// Takes the newest one back; not empty. What it replaced stays lost: push again before asking for the
+  /// oldest.
   void pop() { --count_; }
   void clear() { count_ = 0; }
   [[nodiscard]] bool empty() const { return count_ == 0; }

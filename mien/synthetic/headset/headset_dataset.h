@@ -46,7 +46,8 @@ struct HeadsetDataRecipe {
   bool operator==(const HeadsetDataRecipe&) const = default;
 };
 
-/// Reads the table's text. Errors, which name the key: malformed, out_of_range, unknown keys.
+/// Reads the table's text. Errors: malformed (no TOML); out_of_range (a value), bad_usage (a key), which they
+/// name.
 [[nodiscard]] Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view toml,
                                                                   const std::string& where);
 

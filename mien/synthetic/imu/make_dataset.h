@@ -37,7 +37,8 @@ struct DataRecipe {
   bool operator==(const DataRecipe&) const = default;
 };
 
-/// Reads the table's text. Errors, which name the key: malformed, out_of_range, unknown keys.
+/// Reads the table's text. Errors: malformed (no TOML); out_of_range (a value), bad_usage (a key), which they
+/// name.
 [[nodiscard]] Result<DataRecipe> parse_data_recipe(std::string_view toml, const std::string& where);
 
 /// Lets virtual performers perform. `face` as face::load_face takes it; "builtin" draws identities of the

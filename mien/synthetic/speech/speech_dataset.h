@@ -27,7 +27,8 @@ struct SpeechDataRecipe {
   bool operator==(const SpeechDataRecipe&) const = default;
 };
 
-/// Reads the table's text. Errors, which name the key: malformed, out_of_range, unknown keys.
+/// Reads the table's text. Errors: malformed (no TOML); out_of_range (a value), bad_usage (a key), which they
+/// name.
 [[nodiscard]] Result<SpeechDataRecipe> parse_speech_data_recipe(std::string_view toml,
                                                                 const std::string& where);
 
