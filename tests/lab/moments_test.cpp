@@ -2,12 +2,16 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
+
 #include <cmath>
 
 #include "mien/builtin_face/builtin_face.h"
 
 namespace mien::lab::moments_test {
 namespace {
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 class MomentsStrip : public ::testing::Test {
  protected:
