@@ -21,7 +21,6 @@
 #include "lab/bench/onnx_peer.h"
 #include "lab/bench/rival_graphs.h"
 #include "lab/commands/output.h"
-#include "lab/headset/camera_pictures.h"
 #include "lab/peak.h"
 #include "mien/core/error.h"
 #include "mien/core/files.h"
@@ -45,6 +44,18 @@
 
 namespace mien::lab {
 namespace {
+
+/// Room for one grey picture of each camera of a simulator, which it shoots into.
+struct CameraPictures {
+  explicit CameraPictures(const virt::HeadsetSimulator& simulator) {
+    for (std::size_t c = 0; c < simulator.cameras(); ++c)
+      pixels.emplace_back(static_cast<std::size_t>(simulator.size(c).width) *
+                          static_cast<std::size_t>(simulator.size(c).height));
+    for (auto& picture : pixels) out.emplace_back(picture);
+  }
+  std::vector<std::vector<std::uint8_t>> pixels;
+  std::vector<std::span<std::uint8_t>> out;  ///< Of `pixels`.
+};
 
 /// What `mien bench headset` is asked.
 struct HeadsetBench {

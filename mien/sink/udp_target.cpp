@@ -48,12 +48,16 @@ Result<boost::asio::ip::address> find_host(boost::asio::io_context& network, con
 }
 
 bool is_this_machine(const boost::asio::ip::address& address) {
-  boost::asio::io_context nothing;
-  udp::socket socket(nothing);
-  error_code code;
-  socket.open(address.is_v6() ? udp::v6() : udp::v4(), code);
-  if (!code) socket.bind({address, 0}, code);
-  return !code;
+  try {
+    boost::asio::io_context nothing;
+    udp::socket socket(nothing);
+    error_code code;
+    socket.open(address.is_v6() ? udp::v6() : udp::v4(), code);
+    if (!code) socket.bind({address, 0}, code);
+    return !code;
+  } catch (const boost::system::system_error&) {  // No descriptor is left for a context.
+    return false;
+  }
 }
 
 Result<UdpTarget> UdpTarget::open(boost::asio::io_context& network, const Address& address,

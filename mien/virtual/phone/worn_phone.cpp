@@ -43,11 +43,13 @@ class PhoneOnNetwork final : public SpeakingDevices {
   std::vector<Datagram> sent_;
 };
 
-}  // namespace
-
+/// The phone of these faults on that stage: what it sends, and its clock, are the same whenever it is asked
+/// for.
 PhoneSimulator phone_before(const Stage& stage, const PhoneFaults& faults) {
   return {faults, stage.motion.times.motion_start_s, stage.devices.fork(kPhone)};
 }
+
+}  // namespace
 
 performer::PrologueNeeds WornPhone::prologue(const Stage&) const {
   return {.neutral_s = 0, .gestures = false};

@@ -11,10 +11,6 @@
 
 namespace mien::virt {
 
-/// The phone of these faults on that stage: what it sends, and its clock, are the same whenever it is asked
-/// for.
-[[nodiscard]] PhoneSimulator phone_before(const Stage& stage, const PhoneFaults& faults);
-
 /// A phone that looks at the performer's face beside what is worn, and tells it in Live Link Face's packets.
 class WornPhone final : public WornDevices {
  public:
