@@ -64,7 +64,7 @@ Result<Address> parse_first_camera(const std::string& to, std::size_t cameras) {
 }
 
 /// One moment's pictures.
-struct Shot {
+struct RenderedShot {
   double begin_s = 0;  // True time, but for its jitter.
   std::vector<virt::BoardPicture> pictures;
 };
@@ -72,10 +72,10 @@ struct Shot {
 /// The performance before the cameras, shot after shot: rendered when it is asked for, or all at first. Until
 /// it begins the performer waits in its first pose, and the cameras are on: who watches them has a stream.
 /// Times are true ones from when the cameras were switched on.
-class Film {
+class RenderedFilm {
  public:
-  Film(const virt::Stage& stage, const virt::WornHeadset& headset, virt::HeadsetBoards boards,
-       const std::optional<performer::Encore>& encore, bool beside_boards)
+  RenderedFilm(const virt::Stage& stage, const virt::WornHeadset& headset, virt::HeadsetBoards boards,
+               const std::optional<performer::Encore>& encore, bool beside_boards)
       : stage_(stage),
         headset_(headset),
         boards_(std::move(boards)),
@@ -90,12 +90,13 @@ class Film {
     begin_s_ = 0;
     while (boards_.shot_s() < end_s_) {
       if (!progress(std::clamp(boards_.shot_s() / end_s_, 0.0, 0.999), "rendering")) return false;
-      MIEN_TRY_ASSIGN(Shot shot, shoot());
+      MIEN_TRY_ASSIGN(RenderedShot shot, shoot());
       shots_->push_back(std::move(shot));
     }
     begin_s_.reset();
     const auto first_from = [&](double time_s) {
-      const auto first = std::ranges::find_if(*shots_, [&](const Shot& s) { return s.begin_s >= time_s; });
+      const auto first =
+          std::ranges::find_if(*shots_, [&](const RenderedShot& s) { return s.begin_s >= time_s; });
       return static_cast<std::size_t>(first - shots_->begin());
     };
     waiting_ = std::max<std::size_t>(1, first_from(0));
@@ -138,9 +139,9 @@ class Film {
     const bool over = begin_s_ && !encore_ && boards_.shot_s() - *begin_s_ >= end_s_;
     return over ? std::nullopt : std::optional(boards_.shot_s());
   }
-  Result<Shot> next() {
+  Result<RenderedShot> next() {
     if (!shots_) return shoot();
-    Shot shot = (*shots_)[next_++];
+    RenderedShot shot = (*shots_)[next_++];
     for (virt::BoardPicture& picture : shot.pictures) {
       picture.read_s += shift_s_;
       picture.arrival_s += shift_s_;
@@ -162,8 +163,8 @@ class Film {
   }
 
  private:
-  Result<Shot> shoot() {
-    Shot shot{.begin_s = boards_.shot_s()};
+  Result<RenderedShot> shoot() {
+    RenderedShot shot{.begin_s = boards_.shot_s()};
     MIEN_TRY(boards_.shoot(
         [this](double true_s) {
           return headset_.moment_at(stage_, {curve_, encore_},
@@ -184,8 +185,8 @@ class Film {
   bool beside_boards_;
   face::MotionCurve curve_;
   double end_s_;
-  std::optional<double> begin_s_;           // Of the performance.
-  std::optional<std::vector<Shot>> shots_;  // Where it was rendered ahead, by the performance's time.
+  std::optional<double> begin_s_;                   // Of the performance.
+  std::optional<std::vector<RenderedShot>> shots_;  // Where it was rendered ahead, by the performance's time.
   std::size_t next_ = 0;
   std::size_t waiting_ = 0, again_ = 0;  // So many at first show the wait; a round begins with this one.
   double shift_s_ = 0;
@@ -309,7 +310,7 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
   Cameras cameras;
   MIEN_TRY(cameras.open(address, summary.cameras, rate_hz));
 
-  Film film(stage, *headset, std::move(boards), encore, options.start != nullptr);
+  RenderedFilm film(stage, *headset, std::move(boards), encore, options.start != nullptr);
   if (options.ahead) {
     const Progress shown = terminal_progress("perform");
     MIEN_TRY_ASSIGN(const bool rendered, film.render_all([&](double share, std::string_view what) {
@@ -354,7 +355,7 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
       std::this_thread::sleep_for(kLookAgain);
       continue;
     }
-    MIEN_TRY_ASSIGN(Shot shot, film.next());
+    MIEN_TRY_ASSIGN(RenderedShot shot, film.next());
     for (virt::BoardPicture& picture : shot.pictures) {
       const DeviceTime time = film.time_of(picture);
       cameras.add(on + clock_duration(picture.arrival_s), picture.camera, time, std::move(picture.jpeg));

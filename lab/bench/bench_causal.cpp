@@ -133,7 +133,7 @@ Spread measure_crowd(Crowd& crowd, std::size_t sensors) {
   return spread_of(std::move(took));
 }
 
-struct Figures {
+struct CausalFigures {
   PacedFrames paced;
   double peak_gflops = 0, cache_gb_s = 0, hot_step_s = 0;
   std::size_t weight_bytes = 0;
@@ -157,7 +157,7 @@ app::Json ratio(const Peer& peer, double hot_step_s) {
   return 1e-6 * *peer.step_us / hot_step_s;
 }
 
-app::Json as_json(const CausalBench& options, const Figures& f, const std::string& kernels) {
+app::Json as_json(const CausalBench& options, const CausalFigures& f, const std::string& kernels) {
   app::Json json = {{"p50_ms", 1e3 * f.paced.frame.p50_s},
                     {"p99_ms", 1e3 * f.paced.frame.p99_s},
                     {"precision", options.precision},
@@ -185,7 +185,7 @@ app::Json as_json(const CausalBench& options, const Figures& f, const std::strin
   return json;
 }
 
-measure::Report report_of(const CausalBench& options, const Figures& f, const std::string& kernels) {
+measure::Report report_of(const CausalBench& options, const CausalFigures& f, const std::string& kernels) {
   measure::Table table{.caption = "", .columns = {"", ""}, .rows = {}, .strong_rows = {}};
   const auto line = [&](const char* what, const std::string& value) { table.rows.push_back({what, value}); };
   line("a frame at 60 a second, caches cold",
@@ -237,7 +237,7 @@ Result<void> run_causal_bench(const CausalBench& asked) {
   MIEN_TRY_ASSIGN(Crowd crowd, Crowd::create(file, file.features.sensors, kCrowd, *precision));
 
   const Progress progress = app::terminal_progress("bench causal");
-  Figures f;
+  CausalFigures f;
   f.peak_gflops = peak_gflops();
   f.cache_gb_s = read_gb_s(kCacheBytes);
   f.hot_step_s = measure_hot_step(tracker.network());

@@ -42,12 +42,12 @@ std::string key_of(std::string_view text) {
 }
 
 /// One training, and its files.
-struct Row {
+struct TrainingRow {
   const ShortTraining* training;
   fs::path model, recipe, rig, data;
 };
 
-Row row_of(const ShortTraining& training, const fs::path& folder) {
+TrainingRow row_of(const ShortTraining& training, const fs::path& folder) {
   const std::string key =
       key_of(fmt::format("{}\n\n{}\n\n{}", training.recipe, training.rig, training.data_key));
   const fs::path stem = folder / fmt::format("{}-{}", training.name, key);
@@ -72,8 +72,9 @@ void remove_quietly(const fs::path& path) {
 /// What is left of a folder's trainings, worked off side by side.
 class ShortTrainings {
  public:
-  ShortTrainings(std::vector<Row> rows, const Progress& progress) : progress_(progress), all_(rows.size()) {
-    for (Row& row : rows) {
+  ShortTrainings(std::vector<TrainingRow> rows, const Progress& progress)
+      : progress_(progress), all_(rows.size()) {
+    for (TrainingRow& row : rows) {
       if (is_there(row.model)) continue;
       ++wanted_[row.data];
       waiting_.push_back(std::move(row));
@@ -104,7 +105,7 @@ class ShortTrainings {
 
  private:
   struct Running {
-    Row row;
+    TrainingRow row;
     app::Child child;
   };
 
@@ -124,7 +125,7 @@ class ShortTrainings {
 
   /// It waits, and is no share of the work, until its helper has begun.
   Result<void> start_next() {
-    const Row& row = waiting_.back();
+    const TrainingRow& row = waiting_.back();
     if (!is_there(row.data)) {
       MIEN_TRY_ASSIGN(
           const dataset::TrainingData data, row.training->data([&](double part, std::string_view what) {
@@ -150,7 +151,7 @@ class ShortTrainings {
         ++one;
         continue;
       }
-      const Row row = one->row;
+      const TrainingRow row = one->row;
       MIEN_TRY_ASSIGN(const app::ChildOutput said, one->child.wait());
       one = running_.erase(one);
       if (!said.succeeded()) return complain(row, said);
@@ -160,7 +161,7 @@ class ShortTrainings {
   }
 
   /// The helper's last line is its error; those before it are progress.
-  static Result<void> complain(const Row& row, const app::ChildOutput& said) {
+  static Result<void> complain(const TrainingRow& row, const app::ChildOutput& said) {
     std::string line = said.complaints;
     while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.pop_back();
     line = line.substr(line.find_last_of("\n\r") + 1);
@@ -188,7 +189,7 @@ class ShortTrainings {
 
   const Progress& progress_;
   std::size_t all_;
-  std::vector<Row> waiting_;
+  std::vector<TrainingRow> waiting_;
   std::list<Running> running_;              ///< Children cannot be assigned.
   std::map<fs::path, std::size_t> wanted_;  ///< Of each file of data, who still learns from it.
 };
@@ -259,13 +260,13 @@ Result<TrainShort> train_by_helper(const fs::path& folder) {
   return [folder, lock = std::make_shared<const FolderLock>(std::move(taken))](
              std::span<const ShortTraining> trainings,
              const Progress& progress) -> Result<std::vector<model::ModelFile>> {
-    std::vector<Row> rows;
+    std::vector<TrainingRow> rows;
     for (const ShortTraining& training : trainings) rows.push_back(row_of(training, folder));
     ShortTrainings work(rows, progress);
     work.tidy(folder);
     MIEN_TRY(work.run());
     std::vector<model::ModelFile> trained;
-    for (const Row& row : rows) {
+    for (const TrainingRow& row : rows) {
       MIEN_TRY_ASSIGN(trained.emplace_back(), model::read_model(row.model));
     }
     return trained;

@@ -43,7 +43,7 @@ const Columns<OtherRow>& other_columns() {
   return columns;
 }
 
-const Columns<SpeechConfidenceRow>& confidence_columns() {
+const Columns<SpeechConfidenceRow>& speech_confidence_columns() {
   using Row = SpeechConfidenceRow;
   static const Columns<Row> columns = {
       {"sound", "sound", "{}", &Row::sound},
@@ -56,12 +56,12 @@ const Columns<SpeechConfidenceRow>& confidence_columns() {
 
 /// Measures what the network's answers are worth and writes it so, on voices that nothing else hears.
 Result<void> write_confidence(const StudySpeechOptions& options, speech::SpeechNetworkFile& network) {
-  constexpr std::uint64_t kMeasuredOn = 2001;
+  constexpr std::uint64_t kMeasuredVoices = 2001;
   MIEN_TRY_ASSIGN(network.confidence,
                   measure_speech_confidence(network,
                                             {.voices = synthetic::VoiceUse::confidence,
                                              .passages = options.request.passages,
-                                             .seed = kMeasuredOn},
+                                             .seed = kMeasuredVoices},
                                             app::speaker_by_helper(), app::terminal_progress("confidence")));
   return speech::write_speech_network(options.write, network);
 }
@@ -95,7 +95,7 @@ Result<void> run_study_speech(const StudySpeechOptions& options) {
   add("others", "Sounds that are no speech: share of frames in which the mouth moves by more than 0.05",
       study.others, other_columns());
   add("confidence", "Expected calibration error of the network's confidence", confidence,
-      confidence_columns());
+      speech_confidence_columns());
   return put_out(options.to, report, out);
 }
 

@@ -19,6 +19,9 @@ struct Answer {
   std::array<float, 2> pupil_mm{4, 4};  ///< Diameters, 1 to 8.
 };
 
+/// Furthest that an eye looks from straight ahead, by yaw and by pitch each.
+inline constexpr float kMostGaze_rad = 1.1F;
+
 /// The outputs' places: 53 weights in the ICT profile's order, the tongue, then those below.
 inline constexpr std::size_t kTongueOutput = face::kShapeCount;
 inline constexpr std::size_t kGazeOutput = kTongueOutput + 1;

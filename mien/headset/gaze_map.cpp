@@ -15,7 +15,6 @@ namespace {
 /// gain's distance from 1. Raising trusts the network more, and the wearer less.
 constexpr double kRidge = 0.01;
 constexpr float kMostOffset_rad = 1.1F;
-constexpr float kMostGaze_rad = 1.1F;
 
 constexpr std::size_t kNumbers = 6;
 

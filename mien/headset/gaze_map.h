@@ -23,7 +23,7 @@ struct GazeMap {
   [[nodiscard]] Eigen::Vector2f apply(std::size_t eye, const Eigen::Vector2f& found_rad) const {
     return eyes[eye] * found_rad.homogeneous();
   }
-  /// The answer's directions so, held to 1.1 rad.
+  /// The answer's directions so, held to kMostGaze_rad.
   void correct(Answer& answer) const;
   /// Of this one the gains alone: an offset is of the neutral and the seat in which it was learnt.
   [[nodiscard]] GazeMap gains() const;

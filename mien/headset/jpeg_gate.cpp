@@ -14,7 +14,7 @@ namespace {
 
 using Fault = PictureFault;
 /// A fault, or none.
-using Verdict = std::optional<PictureFault>;
+using MaybeFault = std::optional<PictureFault>;
 
 constexpr std::size_t kMostTables = 4;
 constexpr std::size_t kQuantisationSteps = 64;
@@ -35,13 +35,13 @@ class Gate {
  private:
   /// The code behind the next FF; none where the picture ends before it.
   std::optional<std::byte> next_code();
-  Verdict segment(std::byte code, std::span<const std::byte> content);
-  Verdict frame(std::byte code, std::span<const std::byte> content);
-  Verdict quantisation(std::span<const std::byte> content);
-  Verdict huffman(std::span<const std::byte> content);
-  Verdict scan(std::span<const std::byte> content) const;
+  MaybeFault segment(std::byte code, std::span<const std::byte> content);
+  MaybeFault frame(std::byte code, std::span<const std::byte> content);
+  MaybeFault quantisation(std::span<const std::byte> content);
+  MaybeFault huffman(std::span<const std::byte> content);
+  MaybeFault scan(std::span<const std::byte> content) const;
   /// Goes to the marker that ends the coded data.
-  Verdict coded();
+  MaybeFault coded();
 
   std::span<const std::byte> all_;
   ByteReader left_;
@@ -67,9 +67,9 @@ std::expected<JpegHeader, Fault> Gate::check() {
     if (length < 2) return std::unexpected(Fault::not_a_jpeg);
     const auto content = left_.take(length - 2U);
     if (!left_.ok()) return std::unexpected(Fault::truncated);
-    if (const Verdict fault = segment(*code, content)) return std::unexpected(*fault);
+    if (const MaybeFault fault = segment(*code, content)) return std::unexpected(*fault);
     if (*code != jpeg::kStartOfScan) continue;
-    if (const Verdict fault = coded()) return std::unexpected(*fault);
+    if (const MaybeFault fault = coded()) return std::unexpected(*fault);
     header_.bytes = all_.size() - left_.left();
     return header_;
   }
@@ -85,7 +85,7 @@ std::optional<std::byte> Gate::next_code() {
   return code;
 }
 
-Verdict Gate::segment(std::byte code, std::span<const std::byte> content) {
+MaybeFault Gate::segment(std::byte code, std::span<const std::byte> content) {
   if (code == jpeg::kQuantisation) return quantisation(content);
   if (code == jpeg::kHuffmanTables) return huffman(content);
   if (code == jpeg::kStartOfScan) return scan(content);
@@ -95,7 +95,7 @@ Verdict Gate::segment(std::byte code, std::span<const std::byte> content) {
   return std::nullopt;
 }
 
-Verdict Gate::frame(std::byte code, std::span<const std::byte> content) {
+MaybeFault Gate::frame(std::byte code, std::span<const std::byte> content) {
   if (header_.components != 0) return Fault::repeated_size;
   if (code == jpeg::kReserved) return Fault::not_a_jpeg;
   if (code >= jpeg::kArithmeticFrames) return Fault::arithmetic;
@@ -127,7 +127,7 @@ Verdict Gate::frame(std::byte code, std::span<const std::byte> content) {
   return std::nullopt;
 }
 
-Verdict Gate::quantisation(std::span<const std::byte> content) {
+MaybeFault Gate::quantisation(std::span<const std::byte> content) {
   for (ByteReader reader(content); reader.left() > 0;) {
     const auto kind = reader.little<std::uint8_t>();
     const unsigned wide = kind >> 4U;
@@ -139,7 +139,7 @@ Verdict Gate::quantisation(std::span<const std::byte> content) {
   return std::nullopt;
 }
 
-Verdict Gate::huffman(std::span<const std::byte> content) {
+MaybeFault Gate::huffman(std::span<const std::byte> content) {
   for (ByteReader reader(content); reader.left() > 0;) {
     const auto kind = reader.little<std::uint8_t>();
     const std::size_t of_ac = kind >> 4U;
@@ -154,7 +154,7 @@ Verdict Gate::huffman(std::span<const std::byte> content) {
   return std::nullopt;
 }
 
-Verdict Gate::scan(std::span<const std::byte> content) const {
+MaybeFault Gate::scan(std::span<const std::byte> content) const {
   if (header_.components == 0) return Fault::no_size;
   ByteReader reader(content);
   if (reader.little<std::uint8_t>() != header_.components)
@@ -180,7 +180,7 @@ Verdict Gate::scan(std::span<const std::byte> content) const {
   return std::nullopt;
 }
 
-Verdict Gate::coded() {
+MaybeFault Gate::coded() {
   while (true) {
     const auto rest = all_.last(left_.left());
     const auto mark = std::ranges::find(rest, jpeg::kMark);

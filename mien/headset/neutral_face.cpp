@@ -18,7 +18,6 @@ using nlohmann::json;
 
 constexpr std::size_t kMostScores = 1024;
 constexpr std::size_t kMostCameras = 256;
-constexpr float kMostGaze_rad = 1.1F;
 constexpr float kMostOpenness = 1.5F;
 /// Mean over the shapes of each one's standard deviation, beyond which a face did not hold still.
 constexpr double kRestless = 0.04;

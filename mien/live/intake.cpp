@@ -20,7 +20,7 @@ namespace asio = boost::asio;
 using asio::ip::udp;
 
 /// Two seconds of sixty sensors.
-constexpr std::size_t kRingBytes = std::size_t{1} << 21U;
+constexpr std::size_t kIntakeRingBytes = std::size_t{1} << 21U;
 constexpr std::size_t kMaxSourceName = 100;
 /// What the system may keep while this thread is busy.
 constexpr int kSocketBytes = 1 << 20;
@@ -56,7 +56,7 @@ struct Intake::Port {
 };
 
 Intake::Intake(asio::io_context& network, Clock clock)
-    : network_(network), clock_(std::move(clock)), ring_(kRingBytes) {}
+    : network_(network), clock_(std::move(clock)), ring_(kIntakeRingBytes) {}
 
 Intake::~Intake() = default;
 
@@ -312,9 +312,9 @@ void Intake::fast_senders(std::vector<FastSender>& out) const {
       out.push_back({.peer = peer.id, .source = peer.name, .sent = peer.sent, .dropped = peer.dropped});
 }
 
-bool Intake::command(std::uint64_t client, std::int64_t number, std::string_view json) {
+bool Intake::command(std::uint64_t client, std::int64_t number, std::string_view json_text) {
   const Head head{Arrived::Kind::command, 0, 0, clock_(), client, number};
-  if (!ring_.put(head, std::as_bytes(std::span(json)))) return false;
+  if (!ring_.put(head, std::as_bytes(std::span(json_text)))) return false;
   signal_.give();
   return true;
 }

@@ -13,7 +13,7 @@ namespace mien::live {
 namespace {
 
 /// What the disk may be behind: about twenty seconds of twelve sensors.
-constexpr std::size_t kRingBytes = std::size_t{1} << 23U;
+constexpr std::size_t kRecorderRingBytes = std::size_t{1} << 23U;
 /// Records that are taken between looks at the payloads.
 constexpr std::size_t kBatchBytes = std::size_t{1} << 20U;
 constexpr std::size_t kSliceBytes = std::size_t{1} << 22U;
@@ -78,7 +78,7 @@ struct Recorder::Opening {
 };
 
 Recorder::Recorder(const std::filesystem::path& folder, std::uint64_t log_limit)
-    : ring_(kRingBytes),
+    : ring_(kRecorderRingBytes),
       payload_ring_(kPayloadQueueBytes),
       spool_(folder, log_limit),
       spool_error_(spool_.problem()) {
@@ -125,12 +125,12 @@ void Recorder::entry(HostTime arrival, std::string_view source, std::span<const 
   signal_.give();
 }
 
-void Recorder::command(HostTime arrival, std::string_view json) {
-  std::span<std::byte> room = claim(1 + sizeof(arrival) + json.size());
+void Recorder::command(HostTime arrival, std::string_view json_text) {
+  std::span<std::byte> room = claim(1 + sizeof(arrival) + json_text.size());
   if (room.empty()) return;
   put(room, Kind::command);
   put(room, arrival);
-  put(room, std::as_bytes(std::span(json)));
+  put(room, std::as_bytes(std::span(json_text)));
   ring_.publish();
 }
 
@@ -169,13 +169,13 @@ void Recorder::note(take::Event event) {
 }
 
 void Recorder::calibration(std::int64_t id, DeviceTime made, std::string_view modality,
-                           std::string_view json) {
-  std::span<std::byte> room = claim(1 + sizeof(CalibrationHead) + modality.size() + json.size());
+                           std::string_view json_text) {
+  std::span<std::byte> room = claim(1 + sizeof(CalibrationHead) + modality.size() + json_text.size());
   if (room.empty()) return;
   put(room, Kind::calibration);
   put(room, CalibrationHead{id, made, static_cast<std::uint32_t>(modality.size())});
   put(room, std::as_bytes(std::span(modality)));
-  put(room, std::as_bytes(std::span(json)));
+  put(room, std::as_bytes(std::span(json_text)));
   ring_.publish();
 }
 
@@ -333,7 +333,7 @@ void Recorder::note_moment(std::span<const std::byte> record) {
 /// first. A payload is handed over before its entry: those of all entries that were taken have been taken
 /// too.
 void Recorder::drain_queues() {
-  std::size_t left = kRingBytes + kPayloadQueueBytes;
+  std::size_t left = kRecorderRingBytes + kPayloadQueueBytes;
   while (left > 0 && !overrun_ && !payload_overrun_) {
     std::size_t batch = 0;
     while (batch < kBatchBytes) {

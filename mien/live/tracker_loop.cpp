@@ -42,9 +42,9 @@ TrackerLoop::~TrackerLoop() {
   stop();
 }
 
-Result<void> TrackerLoop::execute(std::string_view json) {
-  recorder_.command(newest_, json);
-  return session_.command(newest_, json);
+Result<void> TrackerLoop::execute(std::string_view json_text) {
+  recorder_.command(newest_, json_text);
+  return session_.command(newest_, json_text);
 }
 
 void TrackerLoop::start() {
@@ -94,10 +94,11 @@ void TrackerLoop::fire(HostTime now, HostTime cause) {
 
 void TrackerLoop::take(const Arrived& arrived) {
   if (arrived.kind == Arrived::Kind::command) {
-    const std::string_view json(reinterpret_cast<const char*>(arrived.bytes.data()), arrived.bytes.size());
+    const std::string_view json_text(reinterpret_cast<const char*>(arrived.bytes.data()),
+                                     arrived.bytes.size());
     // A command that fails changes nothing: it is logged all the same, and fails again in a replay.
-    recorder_.command(arrived.arrival, json);
-    const auto done = session_.command(arrived.arrival, json);
+    recorder_.command(arrived.arrival, json_text);
+    const auto done = session_.command(arrived.arrival, json_text);
     renew_report(arrived.arrival);
     const std::string error = done ? std::string() : done.error().message();
     post({OutgoingMessage::Kind::reply, arrived.client, arrived.number, bytes_of(error)});

@@ -16,7 +16,7 @@ constexpr float kInversePi = 1 / std::numbers::pi_v<float>;
 /// How much what is no face varies, and over which angle (1 / rad).
 constexpr float kUneven = 0.6F, kBumps = 3;
 /// Skin scatters: light reaches a little beyond where it falls flat (cosine).
-constexpr float kWrap = 0.25F;
+constexpr float kInfraredWrap = 0.25F;
 /// A glass lets so much through.
 constexpr float kGlassPasses = 0.92F, kGlassMirrors = 0.04F;
 /// Hairs scatter what falls on them to all sides.
@@ -89,7 +89,7 @@ float InfraredScene::State::shade(std::uint32_t which, const std::array<float, 3
   }
   Vec3f n = between(normal).normalized();
   if (one.two_sided && n.dot(view) > 0) n = -n;
-  const float wrap = one.gloss == Gloss::skin || one.gloss == Gloss::lips ? kWrap : 0.0F;
+  const float wrap = one.gloss == Gloss::skin || one.gloss == Gloss::lips ? kInfraredWrap : 0.0F;
   const float lit =
       std::max(0.0F, n.dot(falls.directed) + wrap * falls.directed.norm()) / (1 + wrap) + falls.ambient;
   const Shine& shine = kShines[static_cast<std::size_t>(one.gloss)];

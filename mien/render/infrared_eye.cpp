@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "mien/core/smoothstep.h"
+#include "mien/render/renderer_state.h"
 #include "mien/render/solid_noise.h"
 
 namespace mien::render {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 /// Gullstrand's schematic eye, shares of the ball's radius of 12 mm.
 constexpr float kCorneaRadius = 7.8F / 12, kCorneaCentre = 5.6F / 12;
 /// The iris lies this far before the ball's centre: 3.4 mm behind the cornea's apex.

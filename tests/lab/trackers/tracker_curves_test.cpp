@@ -307,7 +307,7 @@ TEST(LiveLinkCurves, TellWhatHasAColumnAtItsTimeCode) {
 }
 
 TEST(TrackerCurvesFile, IsReadByItsContent) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   ASSERT_TRUE(write_file(folder / "webcam.txt", "time_s,jawOpen\n0,1\n"));
   const auto read = read_tracker_curves(folder / "webcam.txt");
   ASSERT_TRUE(read) << read.error().message();
