@@ -1,7 +1,8 @@
 # The page (viewer/) inside the program: built by npm into the build folder, then taken in as bytes.
 
-# mien_embed_page(TARGET): gives the target app/live/page_files.h's table.
-function(mien_embed_page target)
+# mien_page_library(NAME): a library that holds app/live/page_files.h's table. It is a library of its own so that nothing else
+# waits until npm has built the page.
+function(mien_page_library name)
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/page")
   set(embedded "${CMAKE_CURRENT_BINARY_DIR}/page_files.cpp")
   if(MIEN_PAGE)
@@ -36,5 +37,6 @@ function(mien_embed_page target)
     COMMAND "${CMAKE_COMMAND}" -DFOLDER=${folder} -DOUT=${embedded} -P "${CMAKE_SOURCE_DIR}/cmake/embed_files.cmake"
     DEPENDS ${built} "${CMAKE_SOURCE_DIR}/cmake/embed_files.cmake"
     COMMENT "Taking the page in" VERBATIM)
-  target_sources(${target} PRIVATE "${embedded}")
+  add_library(${name} STATIC "${embedded}")
+  target_link_libraries(${name} PRIVATE mien_live mien_warnings)
 endfunction()
