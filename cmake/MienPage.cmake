@@ -14,7 +14,7 @@ function(mien_page_library name)
     set(modules "${CMAKE_SOURCE_DIR}/viewer/node_modules/.package-lock.json")
     add_custom_command(
       OUTPUT "${modules}"
-      COMMAND "${MIEN_NPM}" ci --no-audit --no-fund --silent
+      COMMAND "${MIEN_NPM}" ci --no-audit --no-fund --loglevel=error
       WORKING_DIRECTORY "${CMAKE_SOURCE_DIR}/viewer"
       DEPENDS "${CMAKE_SOURCE_DIR}/viewer/package-lock.json"
       COMMENT "Fetching what the page is made of" VERBATIM)
