@@ -1,3 +1,4 @@
-// The functions of Asio and Beast that are no templates, compiled once for all rooms (CMakeLists.txt: *_SEPARATE_COMPILATION).
+// What Asio and Beast have beside templates, compiled once for all rooms (CMakeLists.txt:
+// *_SEPARATE_COMPILATION).
 #include <boost/asio/impl/src.hpp>
 #include <boost/beast/src.hpp>
