@@ -4,6 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "mien/core/median.h"
@@ -27,12 +31,6 @@ using face::kShapeNames;
 constexpr double kRate_hz = 30;
 constexpr double kActive = 0.1;
 
-double percentile(std::vector<float>& values, double share) {
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, values.begin() + at);
-  return values[static_cast<std::size_t>(at)];
-}
-
 /// The other side of a shape with sides, itself else.
 std::size_t twin_of(std::size_t k) {
   if (kShapeNames[k].ends_with("_L")) return k + 1;
@@ -40,13 +38,7 @@ std::size_t twin_of(std::size_t k) {
   return k;
 }
 
-struct MotionSamples {
-  std::vector<face::BlendshapeWeights> weights;
-  std::array<double, kShapeCount> speed_squares{};
-  std::size_t steps = 0;
-};
-
-void collect(const face::Motion& motion, MotionSamples& samples) {
+void collect(const face::Motion& motion, std::vector<MotionRun>& runs) {
   if (motion.frames.empty()) return;
   const face::MotionCurve curve(motion);
   const double begin_s = motion.frames.front().time_s;
@@ -55,18 +47,23 @@ void collect(const face::Motion& motion, MotionSamples& samples) {
   for (std::size_t i = 0; i < count; ++i) {
     const face::MotionFrame frame = curve.at(begin_s + static_cast<double>(i) / kRate_hz);
     if (frame.has_face) {
-      if (follows) {
-        const face::BlendshapeWeights& before = samples.weights.back();
-        for (std::size_t k = 0; k < kShapeCount; ++k) {
-          const double speed = (frame.weights[k] - before[k]) * kRate_hz;
-          samples.speed_squares[k] += speed * speed;
-        }
-        ++samples.steps;
-      }
-      samples.weights.push_back(frame.weights);
+      if (!follows) runs.emplace_back();
+      runs.back().push_back(frame.weights);
     }
     follows = frame.has_face;
   }
+}
+
+/// Shapes that people move as one thing.
+constexpr std::array<std::string_view, 6> kGroups = {"brows",           "lids",  "gaze",
+                                                     "cheeks and nose", "mouth", "jaw"};
+std::size_t group_of(std::size_t k) {
+  const std::string_view name = kShapeNames[k];
+  if (name.starts_with("brow")) return 0;
+  if (name.starts_with("eyeLook")) return 2;
+  if (name.starts_with("eye")) return 1;
+  if (name.starts_with("cheek") || name.starts_with("nose")) return 3;
+  return name.starts_with("jaw") ? 5 : 4;
 }
 
 }  // namespace
@@ -76,17 +73,28 @@ MotionStatistics motion_statistics(std::span<const face::Motion> motions, std::s
   out.name = std::move(name);
   constexpr auto kSize = static_cast<Eigen::Index>(kShapeCount);
   out.correlation = Eigen::MatrixXd::Zero(kSize, kSize);
-  MotionSamples samples;
-  for (const face::Motion& motion : motions) collect(motion, samples);
-  const std::size_t frames = samples.weights.size();
-  if (frames < 2 || samples.steps == 0) return out;
+  std::vector<MotionRun> runs;
+  for (const face::Motion& motion : motions) collect(motion, runs);
+  std::vector<face::BlendshapeWeights> weights;
+  std::array<double, kShapeCount> speed_squares{};
+  for (const MotionRun& run : runs) {
+    for (std::size_t i = 1; i < run.size(); ++i)
+      for (std::size_t k = 0; k < kShapeCount; ++k) {
+        const double speed = (run[i][k] - run[i - 1][k]) * kRate_hz;
+        speed_squares[k] += speed * speed;
+      }
+    weights.insert(weights.end(), run.begin(), run.end());
+  }
+  const std::size_t frames = weights.size(), steps = frames - runs.size();
+  if (frames < 2 || steps == 0) return out;
+  static_cast<MotionRhythm&>(out) = motion_rhythm(runs, kRate_hz);
   out.duration_s = static_cast<double>(frames) / kRate_hz;
 
   Eigen::MatrixXd x(static_cast<Eigen::Index>(frames), kSize);
   for (std::size_t i = 0; i < frames; ++i)
     for (std::size_t k = 0; k < kShapeCount; ++k) {
-      x(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = samples.weights[i][k];
-      out.active_shapes += samples.weights[i][k] > kActive ? 1.0 / static_cast<double>(frames) : 0.0;
+      x(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = weights[i][k];
+      out.active_shapes += weights[i][k] > kActive ? 1.0 / static_cast<double>(frames) : 0.0;
     }
   const Eigen::RowVectorXd mean = x.colwise().mean();
   x.rowwise() -= mean;
@@ -98,12 +106,12 @@ MotionStatistics motion_statistics(std::span<const face::Motion> motions, std::s
   for (std::size_t k = 0; k < kShapeCount; ++k) {
     const auto e = static_cast<Eigen::Index>(k);
     ShapeStatistics& shape = out.shapes[k];
-    for (std::size_t i = 0; i < frames; ++i) values[i] = samples.weights[i][k];
+    for (std::size_t i = 0; i < frames; ++i) values[i] = weights[i][k];
     shape.mean = mean[e];
     shape.deviation = std::sqrt(covariance(e, e));
     shape.rest = percentile(values, 0.10);
     shape.p95 = percentile(values, 0.95);
-    shape.speed_per_s = std::sqrt(samples.speed_squares[k] / static_cast<double>(samples.steps));
+    shape.speed_per_s = std::sqrt(speed_squares[k] / static_cast<double>(steps));
     if (shape.deviation > 1e-6) quickness.push_back(shape.speed_per_s / shape.deviation);
     constexpr double kShare = 1.0 / static_cast<double>(kShapeCount);
     out.mean_weight += kShare * shape.mean;
@@ -175,26 +183,81 @@ double correlation_agreement(const MotionStatistics& a, const MotionStatistics& 
   return scale > 0 ? u.dot(v) / scale : 0;
 }
 
-Result<std::vector<MotionStatistics>> virtual_motion(const VirtualMotionRequest& request,
-                                                     const Progress& progress) {
+std::vector<MotionValue> motion_values(const MotionStatistics& motion) {
+  std::vector<MotionValue> out;
+  for (const MotionSummary& summary : kMotionSummaries)
+    if (summary.value != &MotionStatistics::duration_s)
+      out.push_back({std::string(summary.name), motion.*summary.value});
+  std::array<std::array<double, kGroups.size()>, kGroups.size()> sums{}, pairs{};
+  for (std::size_t a = 0; a < kShapeCount; ++a)
+    for (std::size_t b = a + 1; b < kShapeCount; ++b) {
+      if (twin_of(a) == b) continue;
+      const auto [first, second] = std::minmax({group_of(a), group_of(b)});
+      sums[first][second] +=
+          std::abs(motion.correlation(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)));
+      ++pairs[first][second];
+    }
+  for (std::size_t a = 0; a < kGroups.size(); ++a)
+    for (std::size_t b = a; b < kGroups.size(); ++b)
+      out.push_back({fmt::format("{} with {}", kGroups[a], kGroups[b]), sums[a][b] / pairs[a][b]});
+  for (std::size_t k = 0; k < kShapeCount; ++k) {
+    const ShapeStatistics& shape = motion.shapes[k];
+    for (const auto& [what, value] : {std::pair{"mean", shape.mean}, std::pair{"deviation", shape.deviation},
+                                      std::pair{"rest", shape.rest}, std::pair{"95th percentile", shape.p95},
+                                      std::pair{"speed", shape.speed_per_s}})
+      out.push_back({fmt::format("{} of {}", what, kShapeNames[k]), value});
+  }
+  return out;
+}
+
+std::vector<MotionSpread> motion_spreads(std::span<const MotionStatistics> people,
+                                         std::span<const MotionStatistics> compared) {
+  std::vector<MotionSpread> out;
+  std::vector<std::vector<float>> values;
+  for (const MotionStatistics& one : people) {
+    const std::vector<MotionValue> all = motion_values(one);
+    out.resize(all.size());
+    values.resize(all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      out[i].name = all[i].name;
+      values[i].push_back(static_cast<float>(all[i].value));
+    }
+  }
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i].low = percentile(values[i], 0.05);
+    out[i].median = percentile(values[i], 0.5);
+    out[i].high = percentile(values[i], 0.95);
+  }
+  for (const MotionStatistics& one : compared) {
+    const std::vector<MotionValue> all = motion_values(one);
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i].compared.push_back(static_cast<float>(all[i].value));  // As the percentiles.
+  }
+  return out;
+}
+
+Result<std::vector<VirtualKind>> virtual_motion(const VirtualMotionRequest& request,
+                                                const Progress& progress) {
   if (request.performers < 1 || !(request.seconds >= 1))
     return fail(ErrorCode::bad_usage, "nobody moves", "study motion", "ask for a performer and a second");
   const auto people = static_cast<std::size_t>(request.performers);
-  std::vector<MotionStatistics> each(kVirtualKinds.size() * people);
-  MIEN_TRY(
-      virt::for_each_performer(each.size(), request.threads, progress, [&](std::size_t i) -> Result<void> {
+  std::vector<VirtualKind> out;
+  for (const Block kind : kVirtualKinds)
+    out.push_back({std::string(performer::block_name(kind)), std::vector<MotionStatistics>(people)});
+  out.push_back({"training", std::vector<MotionStatistics>(people)});
+  MIEN_TRY(virt::for_each_performer(
+      out.size() * people, request.threads, progress, [&](std::size_t i) -> Result<void> {
         const Random person = Random(request.seed).fork("person", i % people);
-        Random drawn = person.fork("style");
+        const std::size_t kind = i / people;
+        Random drawn = person.fork("style"), chosen = person.fork("script");
+        const performer::Script script = kind < kVirtualKinds.size()
+                                             ? performer::default_script(kVirtualKinds[kind], request.seconds)
+                                             : performer::random_script(request.seconds, chosen);
         const std::array motions = {
-            performer::perform(performer::default_script(kVirtualKinds[i / people], request.seconds),
-                               performer::draw_style(drawn), person.fork("motion"))};
-        each[i] = motion_statistics(motions, {});
+            performer::perform(script, performer::draw_style(drawn), person.fork("motion"))};
+        out[kind].people[i % people] = motion_statistics(motions, {});
         return {};
       }));
-  std::vector<MotionStatistics> out;
-  for (std::size_t k = 0; k < kVirtualKinds.size(); ++k)
-    out.push_back(mean_statistics(std::span(each).subspan(k * people, people),
-                                  std::string(performer::block_name(kVirtualKinds[k]))));
   return out;
 }
 
@@ -224,6 +287,38 @@ std::vector<measure::Table> motion_tables(std::span<const MotionStatistics> colu
         tables[1], std::string(kShapeNames[k]),
         [k](const MotionStatistics& s) { return s.shapes[k].deviation; }, 3);
   return tables;
+}
+
+measure::Table spread_table(std::span<const MotionSpread> spreads, std::span<const std::string> names) {
+  const auto outside = [&](const MotionSpread& spread) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < spread.compared.size(); ++i) count += spread.holds(i) ? 0 : 1;
+    return count;
+  };
+  std::vector<const MotionSpread*> shown;
+  std::vector<std::size_t> held(names.size(), 0);
+  for (const MotionSpread& spread : spreads) {
+    if (outside(spread) > 0) shown.push_back(&spread);
+    for (std::size_t i = 0; i < names.size(); ++i) held[i] += spread.holds(i) ? 1 : 0;
+  }
+  std::ranges::stable_sort(shown, std::greater{},
+                           [&](const MotionSpread* spread) { return outside(*spread); });
+  measure::Table table{.caption = "Outside of 90 % of virtual people", .columns = {""}};
+  table.columns.insert(table.columns.end(), names.begin(), names.end());
+  table.columns.insert(table.columns.end(), {"5 %", "median", "95 %"});
+  std::vector<std::string>& first = table.rows.emplace_back();
+  first.push_back(fmt::format("inside, of {}", spreads.size()));
+  for (const std::size_t count : held) first.push_back(fmt::format("{}", count));
+  first.insert(first.end(), {"", "", ""});
+  for (const MotionSpread* spread : shown) {
+    std::vector<std::string>& cells = table.rows.emplace_back();
+    cells.push_back(spread->name);
+    for (std::size_t i = 0; i < names.size(); ++i)
+      cells.push_back(fmt::format("{:.3f}{}", spread->compared[i], spread->holds(i) ? "" : " !"));
+    for (const double value : {spread->low, spread->median, spread->high})
+      cells.push_back(fmt::format("{:.3f}", value));
+  }
+  return table;
 }
 
 }  // namespace mien::lab

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "lab/motion_rhythm.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/face/motion.h"
@@ -24,8 +25,8 @@ struct ShapeStatistics {
   double speed_per_s = 0;  ///< Root mean square of the derivative.
 };
 
-/// How a face moves: range, speed, rest, and what moves together. Frames without a face are left out.
-struct MotionStatistics {
+/// How a face moves: range, speed, rest, rhythm, and what moves together. Frames without a face are left out.
+struct MotionStatistics : MotionRhythm {
   std::string name;
   double duration_s = 0;  ///< Of what was counted.
   std::array<ShapeStatistics, face::kShapeCount> shapes{};
@@ -69,7 +70,24 @@ inline constexpr std::array kMotionSummaries = {
     MotionSummary{"pair_correlation", "absolute correlation of other pairs",
                   &MotionStatistics::mean_abs_correlation, 2},
     MotionSummary{"dimensions", "independent motions (participation ratio)", &MotionStatistics::dimensions,
-                  1}};
+                  1},
+    MotionSummary{"rest_share", "share of time at rest, mean of shapes", &MotionStatistics::rest_share, 2},
+    MotionSummary{"still_share", "share of time with the whole face at rest", &MotionStatistics::still_share,
+                  2},
+    MotionSummary{"speed_tail", "99th percentile of speed over its RMS", &MotionStatistics::speed_tail, 2},
+    MotionSummary{"slowest", "variance: changes over 4 s", &MotionStatistics::slowest, 2},
+    MotionSummary{"slow", "variance: 1 to 4 s", &MotionStatistics::slow, 2},
+    MotionSummary{"quick", "variance: 0.25 to 1 s", &MotionStatistics::quick, 2},
+    MotionSummary{"quickest", "variance: under 0.25 s", &MotionStatistics::quickest, 2},
+    MotionSummary{"expression_s", "expressions last, median, s", &MotionStatistics::expression_s, 2},
+    MotionSummary{"long_expression_s", "expressions last, 90th percentile, s",
+                  &MotionStatistics::long_expression_s, 2},
+    MotionSummary{"blinks_per_min", "blinks a minute", &MotionStatistics::blinks_per_min, 1},
+    MotionSummary{"blink_s", "a blink lasts, at half height, s", &MotionStatistics::blink_s, 2},
+    MotionSummary{"blink_closing_share", "of it closing", &MotionStatistics::blink_closing_share, 2},
+    MotionSummary{"blink_peak", "eyeBlink at a blink's peak", &MotionStatistics::blink_peak, 2},
+    MotionSummary{"blink_side_difference", "left from right then", &MotionStatistics::blink_side_difference,
+                  2}};
 
 /// Statistics of one or more motions taken together, each read at 30 Hz through its own curve, so that
 /// recordings of 30 and 60 frames a second compare. Needs at least two frames with a face; else all is 0.
@@ -83,6 +101,27 @@ inline constexpr std::array kMotionSummaries = {
 /// shapes go together?
 [[nodiscard]] double correlation_agreement(const MotionStatistics& a, const MotionStatistics& b);
 
+/// One number about a motion: a summary ("blinks_per_min"), how two groups of shapes go together ("brows with
+/// mouth": mean absolute correlation of their shapes, sides of one shape left out), or a shape's ("mean of
+/// jawOpen").
+struct MotionValue {
+  std::string name;
+  double value = 0;
+};
+/// All of a motion's numbers but its length, always in the same order.
+[[nodiscard]] std::vector<MotionValue> motion_values(const MotionStatistics& motion);
+
+/// Where a motion lies among people: 5th, 50th and 95th percentile of one number over people.
+struct MotionSpread {
+  std::string name;
+  double low = 0, median = 0, high = 0;
+  std::vector<double> compared;  ///< The same number of each motion that is compared, in their order.
+  [[nodiscard]] bool holds(std::size_t i) const { return compared[i] >= low && compared[i] <= high; }
+};
+/// In motion_values' order; `people`: at least one.
+[[nodiscard]] std::vector<MotionSpread> motion_spreads(std::span<const MotionStatistics> people,
+                                                       std::span<const MotionStatistics> compared);
+
 struct VirtualMotionRequest {
   int performers = 20;   ///< People drawn, each of whom performs every kind of script.
   double seconds = 120;  ///< Of each performance.
@@ -90,16 +129,27 @@ struct VirtualMotionRequest {
   unsigned threads = 0;  ///< 0: one a core.
 };
 
-/// How virtual performers move: for each kind of script from range of motion to acted lines the mean of the
-/// people's own statistics (mean_statistics), named after the kind. The same request gives the same numbers,
-/// whatever the number of threads. Errors: bad_usage (nobody, or less than a second); cancelled. Cost: a
-/// hundredth of what is performed.
-[[nodiscard]] Result<std::vector<MotionStatistics>> virtual_motion(const VirtualMotionRequest& request,
-                                                                   const Progress& progress);
+/// People who perform one kind of script.
+struct VirtualKind {
+  std::string name;                      ///< As performer::block_name, or "training".
+  std::vector<MotionStatistics> people;  ///< Each one's own.
+};
+
+/// How virtual performers move: for each kind of script from range of motion to acted lines, and last for the
+/// random scripts of trainings ("training"). The same request gives the same numbers, whatever the number of
+/// threads. Errors: bad_usage (nobody, or less than a second); cancelled. Cost: a hundredth of what is
+/// performed.
+[[nodiscard]] Result<std::vector<VirtualKind>> virtual_motion(const VirtualMotionRequest& request,
+                                                              const Progress& progress);
 
 /// Two tables of one column a motion: the summaries, with the agreement of correlations with each of the
 /// first `compared` columns; then the standard deviation of every shape.
 [[nodiscard]] std::vector<measure::Table> motion_tables(std::span<const MotionStatistics> columns,
                                                         std::size_t compared = 0);
+
+/// What of the compared motions lies outside of the spread of people: one row a number, those that are
+/// outside for most motions first. `names`: of the compared motions.
+[[nodiscard]] measure::Table spread_table(std::span<const MotionSpread> spreads,
+                                          std::span<const std::string> names);
 
 }  // namespace mien::lab

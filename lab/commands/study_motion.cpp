@@ -57,13 +57,20 @@ Result<void> run_study_motion(const StudyMotionOptions& options) {
     MIEN_TRY_ASSIGN(columns.emplace_back(), statistics_of(file));
   }
   const std::size_t files = columns.size();
+  std::vector<MotionSpread> spreads;
   if (options.request.performers > 0) {
-    MIEN_TRY_ASSIGN(std::vector<MotionStatistics> made,
+    MIEN_TRY_ASSIGN(const std::vector<VirtualKind> made,
                     virtual_motion(options.request, app::terminal_progress("motion")));
-    for (MotionStatistics& kind : made) columns.push_back(std::move(kind));
+    spreads = motion_spreads(made.back().people, std::span(columns).first(files));
+    for (const VirtualKind& kind : made) columns.push_back(mean_statistics(kind.people, kind.name));
   }
   measure::Report report("How performances move");
   for (const measure::Table& table : motion_tables(columns, files)) report.table(table);
+  if (!spreads.empty()) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < files; ++i) names.push_back(columns[i].name);
+    report.table(spread_table(spreads, names));
+  }
   app::Json out = {{"files", options.files},
                    {"performers", options.request.performers},
                    {"seconds", options.request.seconds},
@@ -71,6 +78,12 @@ Result<void> run_study_motion(const StudyMotionOptions& options) {
                    {"motions", app::Json::array()}};
   for (const MotionStatistics& column : columns)
     out["motions"].push_back(motion_json(column, std::span(columns).first(files)));
+  for (const MotionSpread& spread : spreads)
+    out["spreads"].push_back({{"name", spread.name},
+                              {"low", spread.low},
+                              {"median", spread.median},
+                              {"high", spread.high},
+                              {"files", spread.compared}});
   return put_out(options.to, report, out);
 }
 

@@ -145,14 +145,49 @@ TEST(VirtualMotion, IsTheSameOnAnyNumberOfThreads) {
   const auto two = virtual_motion(brief(2), no_progress);
   ASSERT_TRUE(one) << one.error().message();
   ASSERT_TRUE(two) << two.error().message();
-  ASSERT_EQ(one->size(), 5U);
+  ASSERT_EQ(one->size(), 6U);
   EXPECT_EQ(one->front().name, "range_of_motion");
-  EXPECT_EQ(motion_tables(*one, one->size())[0].rows, motion_tables(*two, two->size())[0].rows);
-  for (const MotionStatistics& kind : *one) {
+  EXPECT_EQ(one->back().name, "training");
+  const auto means = [](const std::vector<VirtualKind>& kinds) {
+    std::vector<MotionStatistics> out;
+    for (const VirtualKind& kind : kinds) out.push_back(mean_statistics(kind.people, kind.name));
+    return out;
+  };
+  const std::vector<MotionStatistics> columns = means(*one);
+  EXPECT_EQ(motion_tables(columns, columns.size())[0].rows,
+            motion_tables(means(*two), columns.size())[0].rows);
+  for (const MotionStatistics& kind : columns) {
     EXPECT_NEAR(kind.duration_s, 2 * 8, 0.2) << kind.name;
     EXPECT_GT(kind.mean_deviation, 0) << kind.name;
   }
-  EXPECT_GT(one->at(1).mean_deviation, one->at(3).mean_deviation) << "free is wider than reading";
+  EXPECT_GT(columns[1].mean_deviation, columns[3].mean_deviation) << "free is wider than reading";
+}
+
+TEST(MotionSpread, SaysWhatLiesOutsideOfPeople) {
+  std::vector<MotionStatistics> people(21);
+  for (std::size_t i = 0; i < people.size(); ++i) {
+    people[i] = motion_statistics({}, "");
+    people[i].mean_weight = 0.1 + 0.01 * static_cast<double>(i);
+    people[i].shapes[shape("jawOpen")].mean = 0.2;
+  }
+  std::array compared = {people[10], people[10]};
+  compared[1].mean_weight = 0.4;
+  compared[1].shapes[shape("jawOpen")].mean = 0.3;
+  const std::vector<MotionSpread> spreads = motion_spreads(people, compared);
+  ASSERT_EQ(spreads.size(), motion_values(people[0]).size());
+  EXPECT_EQ(spreads.front().name, "mean_weight");
+  EXPECT_NEAR(spreads.front().low, 0.11, 1e-6);
+  EXPECT_NEAR(spreads.front().median, 0.20, 1e-6);
+  EXPECT_NEAR(spreads.front().high, 0.29, 1e-6);
+  const std::array<std::string, 2> names = {"inside", "outside"};
+  const measure::Table table = spread_table(spreads, names);
+  EXPECT_EQ(table.columns, (std::vector<std::string>{"", "inside", "outside", "5 %", "median", "95 %"}));
+  ASSERT_EQ(table.rows.size(), 3U);
+  EXPECT_EQ(table.rows[0][1], std::to_string(spreads.size()));
+  EXPECT_EQ(table.rows[0][2], std::to_string(spreads.size() - 2));
+  EXPECT_EQ(table.rows[1],
+            (std::vector<std::string>{"mean_weight", "0.200", "0.400 !", "0.110", "0.200", "0.290"}));
+  EXPECT_EQ(table.rows[2][0], "mean of jawOpen");
 }
 
 TEST(VirtualMotion, NeedsSomebodyWhoMoves) {
