@@ -8,7 +8,6 @@
 namespace mien::live {
 
 namespace asio = boost::asio;
-using tcp = asio::ip::tcp;
 
 /// What the thread that asks shares with who asked it.
 struct NameLookup::Waiting {
@@ -38,9 +37,10 @@ void NameLookup::find(const std::string& host, std::uint16_t port, OnAnswer on_a
     if (const OnAnswer its = std::exchange(waiting->on_answer, nullptr)) its(answer);
   };
   if (!no_number) {
-    asio::post(network_, [hand_over, waiting = waiting_, answer = Answer{{}, {tcp::endpoint(number, port)}}] {
-      hand_over(waiting, answer);
-    });
+    asio::post(network_,
+               [hand_over, waiting = waiting_, answer = Answer{{}, {asio::ip::tcp::endpoint(number, port)}}] {
+                 hand_over(waiting, answer);
+               });
     return;
   }
   if (std::exchange(waiting_->asked, true)) return;
@@ -56,7 +56,7 @@ void NameLookup::find(const std::string& host, std::uint16_t port, OnAnswer on_a
 NameLookup::Answer NameLookup::ask_system(const std::string& host, std::uint16_t port) {
   asio::io_context network(1);
   Answer answer;
-  for (const auto& entry : tcp::resolver(network).resolve(host, std::to_string(port), answer.error))
+  for (const auto& entry : asio::ip::tcp::resolver(network).resolve(host, std::to_string(port), answer.error))
     answer.found.push_back(entry.endpoint());
   return answer;
 }
