@@ -87,15 +87,15 @@ std::string add_block(onnx::Graph& graph, Layers& layers, const std::string& x, 
 }  // namespace
 
 RivalGraph rival_eye_graph(std::uint64_t seed) {
-  constexpr std::size_t kSide = 112, kPictures = 4, kNumbers = 7;
-  RivalGraph rival{.onnx = {}, .input = {1, kPictures, kSide, kSide}};
+  constexpr std::size_t kEyeSide = 112, kEyePictures = 4, kNumbers = 7;
+  RivalGraph rival{.onnx = {}, .input = {1, kEyePictures, kEyeSide, kEyeSide}};
   onnx::Graph graph("rival_eye", "A network of the size of open eye trackers', with random weights.");
   add_pictures(graph, rival.input);
   Layers layers(graph, seed);
   std::string x = "pictures";
-  std::size_t in = kPictures;
+  std::size_t in = kEyePictures;
   for (const std::size_t out : {14, 21, 32, 47, 70, 106}) {
-    if (in != kPictures)
+    if (in != kEyePictures)
       x = graph.add("MaxPool", {x}, {{"kernel_shape", Integers{2, 2}}, {"strides", Integers{2, 2}}});
     x = graph.add("Relu", {layers.convolve(x, {.in = in, .out = out, .kernel = 3})});
     in = out;
@@ -106,10 +106,10 @@ RivalGraph rival_eye_graph(std::uint64_t seed) {
 }
 
 RivalGraph rival_mouth_graph(std::uint64_t seed) {
-  constexpr std::size_t kSide = 224, kStem = 32, kHead = 1280, kShapes = 45;
+  constexpr std::size_t kFaceSide = 224, kStem = 32, kHead = 1280, kShapes = 45;
   constexpr Stage kStages[] = {{1, 16, 1, 1, 3},  {6, 24, 2, 2, 3},  {6, 40, 2, 2, 5}, {6, 80, 3, 2, 3},
                                {6, 112, 3, 1, 5}, {6, 192, 4, 2, 5}, {6, 320, 1, 1, 3}};
-  RivalGraph rival{.onnx = {}, .input = {1, 1, kSide, kSide}};
+  RivalGraph rival{.onnx = {}, .input = {1, 1, kFaceSide, kFaceSide}};
   onnx::Graph graph("rival_mouth", "EfficientNet-B0 with random weights.");
   add_pictures(graph, rival.input);
   Layers layers(graph, seed);
