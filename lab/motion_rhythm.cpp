@@ -4,8 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
+#include <utility>
 
 #include "mien/core/median.h"
+#include "mien/face/shape_region.h"
 
 namespace mien::lab {
 namespace {
@@ -19,15 +22,6 @@ constexpr double kMovingDeviation = 0.01;
 /// A blink: lids rise and fall by this much within this time to both sides.
 constexpr float kBlinkRise = 0.25F;
 constexpr double kBlinkReach_s = 0.45;
-
-bool is_gaze(std::size_t k) {
-  return kShapeNames[k].starts_with("eyeLook");
-}
-
-bool is_lid(std::size_t k) {
-  return kShapeNames[k].starts_with("eyeBlink") || kShapeNames[k].starts_with("eyeWide") ||
-         kShapeNames[k].starts_with("eyeSquint");
-}
 
 /// The mean of what lies in the densest interval of kRestWidth. `values`: at least one.
 float densest(std::vector<float> values) {
@@ -109,62 +103,54 @@ void find_blinks(const MotionRun& run, double rate_hz, BlinksFound& found) {
   }
 }
 
-void add_bands(std::span<const MotionRun> runs, double rate_hz, MotionRhythm& out) {
+/// By MotionRhythm's four durations, slowest first.
+using Bands = std::array<double, 4>;
+void add_bands(std::span<const MotionRun> runs, std::size_t k, double mean, double rate_hz, Bands& sums) {
   const auto frames = [&](double s) { return static_cast<std::size_t>(std::max(1.0, s * rate_hz)); };
-  std::array<double, 4> sums{};
-  for (std::size_t k = 0; k < kShapeCount; ++k) {
-    double mean = 0, count = 0;
-    for (const MotionRun& run : runs)
-      for (const face::BlendshapeWeights& weights : run) {
-        mean += weights[k];
-        ++count;
-      }
-    mean /= std::max(1.0, count);
-    for (const MotionRun& run : runs) {
-      std::vector<double> x(run.size());
-      for (std::size_t i = 0; i < run.size(); ++i) x[i] = run[i][k] - mean;
-      const std::vector<double> fine = smoothed(x, frames(0.25)), middle = smoothed(x, frames(1)),
-                                coarse = smoothed(x, frames(4));
-      sums[0] += energy(coarse, std::vector<double>(x.size(), 0.0));
-      sums[1] += energy(middle, coarse);
-      sums[2] += energy(fine, middle);
-      sums[3] += energy(x, fine);
-    }
+  for (const MotionRun& run : runs) {
+    std::vector<double> x(run.size());
+    for (std::size_t i = 0; i < run.size(); ++i) x[i] = run[i][k] - mean;
+    const std::vector<double> fine = smoothed(x, frames(0.25)), middle = smoothed(x, frames(1)),
+                              coarse = smoothed(x, frames(4));
+    sums[0] += energy(coarse, std::vector<double>(x.size(), 0.0));
+    sums[1] += energy(middle, coarse);
+    sums[2] += energy(fine, middle);
+    sums[3] += energy(x, fine);
   }
-  const double all = sums[0] + sums[1] + sums[2] + sums[3];
-  if (!(all > 0)) return;
-  out.slowest = sums[0] / all;
-  out.slow = sums[1] / all;
-  out.quick = sums[2] / all;
-  out.quickest = sums[3] / all;
 }
 
-void add_speed_tail(std::span<const MotionRun> runs, MotionRhythm& out) {
-  double sum = 0, moving = 0;
-  for (std::size_t k = 0; k < kShapeCount; ++k) {
-    std::vector<float> speeds;
-    double squares = 0, mean = 0, mean_square = 0, count = 0;
-    for (const MotionRun& run : runs)
-      for (std::size_t i = 0; i < run.size(); ++i) {
-        mean += run[i][k];
-        mean_square += run[i][k] * run[i][k];
-        ++count;
-        if (i == 0) continue;
-        speeds.push_back(std::abs(run[i][k] - run[i - 1][k]));
-        squares += speeds.back() * speeds.back();
-      }
-    mean /= std::max(1.0, count);
-    if (speeds.empty() || !(mean_square / count - mean * mean > kMovingDeviation * kMovingDeviation) ||
-        !(squares > 0))
-      continue;
-    const double rms = std::sqrt(squares / static_cast<double>(speeds.size()));
-    sum += percentile(std::move(speeds), 0.99) / rms;
-    ++moving;
-  }
-  if (moving > 0) out.speed_tail = sum / moving;
+/// 99th percentile of the speed's magnitude over its root mean square; none where nothing moves.
+std::optional<double> speed_tail(std::span<const MotionRun> runs, std::size_t k) {
+  std::vector<float> speeds;
+  double squares = 0;
+  for (const MotionRun& run : runs)
+    for (std::size_t i = 1; i < run.size(); ++i) {
+      speeds.push_back(std::abs(run[i][k] - run[i - 1][k]));
+      squares += speeds.back() * speeds.back();
+    }
+  if (!(squares > 0)) return std::nullopt;
+  const double rms = std::sqrt(squares / static_cast<double>(speeds.size()));
+  return percentile(std::move(speeds), 0.99) / rms;
 }
 
 }  // namespace
+
+ShapeGroup group_of(std::size_t shape) {
+  if (kShapeNames[shape].starts_with("eyeLook")) return ShapeGroup::gaze;
+  switch (face::kShapeRegions[shape]) {
+    case face::ShapeRegion::brows:
+      return ShapeGroup::brows;
+    case face::ShapeRegion::eyes:
+      return ShapeGroup::lids;
+    case face::ShapeRegion::cheeks:
+      return ShapeGroup::cheeks;
+    case face::ShapeRegion::mouth:
+      return ShapeGroup::mouth;
+    case face::ShapeRegion::jaw:
+      break;
+  }
+  return ShapeGroup::jaw;
+}
 
 double percentile(std::vector<float> values, double share) {
   if (values.empty()) return 0;
@@ -182,33 +168,54 @@ MotionRhythm motion_rhythm(std::span<const MotionRun> runs, double rate_hz) {
 
   face::BlendshapeWeights rest;
   std::vector<float> excursions;
-  double shapes = 0;
+  double resting = 0, moving = 0;
+  Bands bands{};
   for (std::size_t k = 0; k < kShapeCount; ++k) {
     std::vector<float> values;
     values.reserve(frames);
+    double mean = 0, mean_square = 0;
     for (const MotionRun& run : runs)
-      for (const face::BlendshapeWeights& weights : run) values.push_back(weights[k]);
+      for (const face::BlendshapeWeights& weights : run) {
+        values.push_back(weights[k]);
+        mean += weights[k];
+        mean_square += weights[k] * weights[k];
+      }
+    mean /= all;
+    mean_square /= all;
+    add_bands(runs, k, mean, rate_hz, bands);
+    if (mean_square - mean * mean > kMovingDeviation * kMovingDeviation)
+      if (const std::optional<double> tail = speed_tail(runs, k)) {
+        out.speed_tail += *tail;
+        ++moving;
+      }
     rest[k] = densest(values);
-    if (is_gaze(k)) continue;
-    ++shapes;
+    const ShapeGroup group = group_of(k);
+    if (group == ShapeGroup::gaze) continue;
+    ++resting;
     out.rest_share += static_cast<double>(std::ranges::count_if(
                           values, [&](float value) { return std::abs(value - rest[k]) <= kAtRest; })) /
                       all;
-    if (is_lid(k)) continue;
+    if (group == ShapeGroup::lids) continue;
     for (const MotionRun& run : runs) add_excursions(run, k, rest[k], excursions);
   }
-  out.rest_share /= shapes;
+  out.rest_share /= resting;
+  out.speed_tail /= std::max(1.0, moving);
+  if (const double sum = bands[0] + bands[1] + bands[2] + bands[3]; sum > 0) {
+    out.slowest = bands[0] / sum;
+    out.slow = bands[1] / sum;
+    out.quick = bands[2] / sum;
+    out.quickest = bands[3] / sum;
+  }
   for (const MotionRun& run : runs)
     for (const face::BlendshapeWeights& weights : run) {
       bool still = true;
       for (std::size_t k = 0; k < kShapeCount && still; ++k)
-        still = is_gaze(k) || is_lid(k) || std::abs(weights[k] - rest[k]) <= kStill;
+        still = group_of(k) == ShapeGroup::gaze || group_of(k) == ShapeGroup::lids ||
+                std::abs(weights[k] - rest[k]) <= kStill;
       if (still) out.still_share += 1 / all;
     }
   out.expression_s = percentile(excursions, 0.5) / rate_hz;
   out.long_expression_s = percentile(std::move(excursions), 0.9) / rate_hz;
-  add_speed_tail(runs, out);
-  add_bands(runs, rate_hz, out);
 
   BlinksFound blinks;
   for (const MotionRun& run : runs) find_blinks(run, rate_hz, blinks);

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "mien/face/profile.h"
@@ -9,6 +13,13 @@ namespace mien::lab {
 
 /// Frames that follow each other without a gap, at one rate.
 using MotionRun = std::vector<face::BlendshapeWeights>;
+
+/// Shapes that people move as one thing: face::ShapeRegion's, with lids and gaze apart.
+enum class ShapeGroup : std::uint8_t { brows, lids, gaze, cheeks, mouth, jaw };
+inline constexpr std::array<std::string_view, 6> kShapeGroupNames = {"brows",           "lids",  "gaze",
+                                                                     "cheeks and nose", "mouth", "jaw"};
+/// `shape`: below kShapeCount.
+[[nodiscard]] ShapeGroup group_of(std::size_t shape);
 
 /// How a face moves in time. Where nothing moves, or nobody blinks, the values are 0. A shape's rest is the
 /// mean of the frames in the densest interval of 0.05: people do not rest at 0, and trackers of them less.

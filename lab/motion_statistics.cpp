@@ -12,6 +12,7 @@
 
 #include "mien/core/median.h"
 #include "mien/core/random.h"
+#include "mien/performer/canvas.h"
 #include "mien/performer/performer.h"
 #include "mien/performer/script.h"
 #include "mien/performer/style.h"
@@ -31,13 +32,6 @@ using face::kShapeNames;
 constexpr double kRate_hz = 30;
 constexpr double kActive = 0.1;
 
-/// The other side of a shape with sides, itself else.
-std::size_t twin_of(std::size_t k) {
-  if (kShapeNames[k].ends_with("_L")) return k + 1;
-  if (kShapeNames[k].ends_with("_R")) return k - 1;
-  return k;
-}
-
 void collect(const face::Motion& motion, std::vector<MotionRun>& runs) {
   if (motion.frames.empty()) return;
   const face::MotionCurve curve(motion);
@@ -52,18 +46,6 @@ void collect(const face::Motion& motion, std::vector<MotionRun>& runs) {
     }
     follows = frame.has_face;
   }
-}
-
-/// Shapes that people move as one thing.
-constexpr std::array<std::string_view, 6> kGroups = {"brows",           "lids",  "gaze",
-                                                     "cheeks and nose", "mouth", "jaw"};
-std::size_t group_of(std::size_t k) {
-  const std::string_view name = kShapeNames[k];
-  if (name.starts_with("brow")) return 0;
-  if (name.starts_with("eyeLook")) return 2;
-  if (name.starts_with("eye")) return 1;
-  if (name.starts_with("cheek") || name.starts_with("nose")) return 3;
-  return name.starts_with("jaw") ? 5 : 4;
 }
 
 }  // namespace
@@ -132,7 +114,7 @@ MotionStatistics motion_statistics(std::span<const face::Motion> motions, std::s
       const double r = covariance(row, column) / scale;
       out.correlation(row, column) = r;
       if (a >= b) continue;
-      if (twin_of(a) == b) {
+      if (performer::other_side(a) == b) {
         out.side_correlation += r;
         ++sides;
       } else {
@@ -188,18 +170,20 @@ std::vector<MotionValue> motion_values(const MotionStatistics& motion) {
   for (const MotionSummary& summary : kMotionSummaries)
     if (summary.value != &MotionStatistics::duration_s)
       out.push_back({std::string(summary.name), motion.*summary.value});
-  std::array<std::array<double, kGroups.size()>, kGroups.size()> sums{}, pairs{};
+  std::array<std::array<double, kShapeGroupNames.size()>, kShapeGroupNames.size()> sums{}, pairs{};
   for (std::size_t a = 0; a < kShapeCount; ++a)
     for (std::size_t b = a + 1; b < kShapeCount; ++b) {
-      if (twin_of(a) == b) continue;
-      const auto [first, second] = std::minmax({group_of(a), group_of(b)});
+      if (performer::other_side(a) == b) continue;
+      const auto [first, second] =
+          std::minmax({static_cast<std::size_t>(group_of(a)), static_cast<std::size_t>(group_of(b))});
       sums[first][second] +=
           std::abs(motion.correlation(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)));
       ++pairs[first][second];
     }
-  for (std::size_t a = 0; a < kGroups.size(); ++a)
-    for (std::size_t b = a; b < kGroups.size(); ++b)
-      out.push_back({fmt::format("{} with {}", kGroups[a], kGroups[b]), sums[a][b] / pairs[a][b]});
+  for (std::size_t a = 0; a < kShapeGroupNames.size(); ++a)
+    for (std::size_t b = a; b < kShapeGroupNames.size(); ++b)
+      out.push_back(
+          {fmt::format("{} with {}", kShapeGroupNames[a], kShapeGroupNames[b]), sums[a][b] / pairs[a][b]});
   for (std::size_t k = 0; k < kShapeCount; ++k) {
     const ShapeStatistics& shape = motion.shapes[k];
     for (const auto& [what, value] : {std::pair{"mean", shape.mean}, std::pair{"deviation", shape.deviation},

@@ -152,17 +152,17 @@ class ShortTrainings {
         continue;
       }
       const TrainingRow row = one->row;
-      MIEN_TRY_ASSIGN(const app::ChildOutput said, one->child.wait());
+      MIEN_TRY_ASSIGN(const app::ChildOutput output, one->child.wait());
       one = running_.erase(one);
-      if (!said.succeeded()) return complain(row, said);
+      if (!output.succeeded()) return complain(row, output);
       if (--wanted_[row.data] == 0) remove_quietly(row.data);
     }
     return {};
   }
 
   /// The helper's last line is its error; those before it are progress.
-  static Result<void> complain(const TrainingRow& row, const app::ChildOutput& said) {
-    std::string line = said.complaints;
+  static Result<void> complain(const TrainingRow& row, const app::ChildOutput& output) {
+    std::string line = output.complaints;
     while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.pop_back();
     line = line.substr(line.find_last_of("\n\r") + 1);
     return fail(ErrorCode::io, line.empty() ? "the trainer stopped without a word" : line, row.training->name,

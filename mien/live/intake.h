@@ -89,7 +89,7 @@ class Intake {
   /// no plain ASCII of at most 100 letters, or means something else in a log).
   [[nodiscard]] Result<PayloadSource*> add_source(std::string name);
   /// As if it had been received; for commands of the page. False: no room.
-  bool command(std::uint64_t client, std::int64_t number, std::string_view json);
+  bool command(std::uint64_t client, std::int64_t number, std::string_view json_text);
   /// To where a peer's datagrams come from. On serial lines nothing is said.
   void send(sensor::Peer peer, std::span<const std::byte> datagram);
   void close();

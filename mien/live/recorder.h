@@ -48,10 +48,10 @@ class Recorder {
   /// for none.
   void entry(HostTime arrival, std::string_view source, std::span<const std::byte> bytes,
              std::span<const sensor::Sample> samples, const sensor::Payload& payload = {});
-  void command(HostTime arrival, std::string_view json);
+  void command(HostTime arrival, std::string_view json_text);
   void tick(const sensor::FrameTick& tick);
   void event(const take::Event& event);
-  void calibration(std::int64_t id, DeviceTime made, std::string_view modality, std::string_view json);
+  void calibration(std::int64_t id, DeviceTime made, std::string_view modality, std::string_view json_text);
 
   // Any thread.
   /// An event that no tracker knows of. It comes behind what was handed over when the recorder next looks.

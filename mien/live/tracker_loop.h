@@ -44,7 +44,7 @@ class TrackerLoop {
   ~TrackerLoop();  ///< As stop().
 
   /// Before start(): the session's first commands, logged as the page's. Errors: the session's.
-  [[nodiscard]] Result<void> execute(std::string_view json);
+  [[nodiscard]] Result<void> execute(std::string_view json_text);
   void start();
   /// Returns when the thread has ended.
   void stop();

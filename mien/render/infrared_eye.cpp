@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "mien/core/smoothstep.h"
-#include "mien/render/renderer_state.h"
 #include "mien/render/solid_noise.h"
 
 namespace mien::render {
@@ -71,7 +71,8 @@ float mirrored_lamps(std::span<const InfraredLamp> lamps, const Vec3f& p_m, cons
     // The lamp's light in a lobe about the mirrored direction: 2 (1 - cos) is the angle's square.
     const float exponent = (1 - cosine) / spread2;
     if (exponent > 8) continue;
-    sum += mirror * lamp_irradiance(lamp, p_m) * std::exp(-exponent) / (2 * kPi * spread2);
+    sum +=
+        mirror * lamp_irradiance(lamp, p_m) * std::exp(-exponent) / (2 * std::numbers::pi_v<float> * spread2);
   }
   return sum;
 }
@@ -90,7 +91,8 @@ float eye_radiance(const InfraredEye& look, const SeenEye& eye, const Vec3f& fro
   const Vec3f ball_normal = (ball_m - eye.centre_m).normalized();
   const float off_axis_m = (ball_m - eye.centre_m).cross(eye.axis).norm();
   // The white darkens towards its rim behind the lids' corners.
-  const float sclera = look.sclera * (1 - 0.2F * smoothstep(1.4F, 2.0F, off_axis_m / limbus_m)) / kPi;
+  const float sclera =
+      look.sclera * (1 - 0.2F * smoothstep(1.4F, 2.0F, off_axis_m / limbus_m)) / std::numbers::pi_v<float>;
   const float rim_m = (met_m - eye.centre_m).cross(eye.axis).norm();
   if (way <= 0 || (met_m - eye.centre_m).dot(eye.axis) <= 0 || rim_m > 1.12F * limbus_m) {
     return sclera * lit(ball_normal) + mirrored_lamps(lamps, ball_m, ball_normal, view, kCorneaMirror,
@@ -113,7 +115,8 @@ float eye_radiance(const InfraredEye& look, const SeenEye& eye, const Vec3f& fro
   float albedo = iris_albedo(look, x, y);
   albedo = std::lerp(kPupilAlbedo, albedo, smoothstep(pupil - soft, pupil + soft, radius));
   const float white = smoothstep(1.0F - 0.06F, 1.0F + 0.08F, std::max(radius, rim_m / limbus_m));
-  const float diffuse = std::lerp(albedo / kPi * lit(eye.axis), sclera * lit(ball_normal), white);
+  const float diffuse =
+      std::lerp(albedo / std::numbers::pi_v<float> * lit(eye.axis), sclera * lit(ball_normal), white);
   return diffuse + mirrored_lamps(lamps, met_m, normal, view, kCorneaMirror, 2 * spread_m / cornea_radius_m);
 }
 
