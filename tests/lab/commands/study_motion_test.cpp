@@ -45,7 +45,7 @@ TEST_F(StudyMotion, PutsCurvesTakesAndVirtualPerformersSideBySide) {
   const Outcome object = run(more);
   ASSERT_EQ(object.status, 0) << object.err;
   const auto json = nlohmann::json::parse(object.out);
-  ASSERT_EQ(json.at("motions").size(), 7U);
+  ASSERT_EQ(json.at("motions").size(), 8U) << "two files and six kinds of virtual performance";
   const auto& curve = json.at("motions")[0];
   const auto& take = json.at("motions")[1];
   EXPECT_EQ(curve.at("name"), "talking");
@@ -55,6 +55,7 @@ TEST_F(StudyMotion, PutsCurvesTakesAndVirtualPerformersSideBySide) {
   EXPECT_GT(deviation, 0.01);
   EXPECT_NEAR(take.at("shapes").at("jawOpen").at("deviation"), deviation, 0.1 * deviation);
   EXPECT_EQ(json.at("motions")[2].at("name"), "range_of_motion");
+  EXPECT_EQ(json.at("motions")[7].at("name"), "training");
 }
 
 TEST_F(StudyMotion, SaysInALineWhatCannotBeRead) {
