@@ -32,7 +32,7 @@ using namespace mien;
 using Json = nlohmann::ordered_json;
 
 struct TrainArguments {
-  std::string recipe, out, from, face = "builtin", rig, films, views, takes, splits, data;
+  std::string recipe, out, from, face = "builtin", rig, films, views, takes, splits, recorded, data;
   train::TrainOptions options;
   bool json = false;
   int parent = 0;
@@ -79,6 +79,7 @@ Result<void> run_train(const TrainArguments& arguments) {
                                     .takes = arguments.takes,
                                     .splits = arguments.splits,
                                     .data = arguments.data,
+                                    .recorded = arguments.recorded,
                                     .tell = tell_on_stderr},
                                    app::terminal_progress("data")));
   MIEN_TRY_ASSIGN(const train::TrainReport report,
@@ -196,6 +197,9 @@ int main(int argc, char** argv) {
   train_command.add_option("--splits", train.splits,
                            "File of who of the takes is trained on and who validated on, as `mien dataset` "
                            "writes it");
+  train_command.add_option("--recorded", train.recorded,
+                           "Folder of recorded performances (Live Link Face CSVs), which virtual wearers of "
+                           "IMUs perform as the recipe's data.recorded says");
   train_command.add_option("--data", train.data,
                            "File of performances that were made before, which IMUs learn from instead of "
                            "what the recipe's [data] says; studies write such");

@@ -13,6 +13,17 @@ void RecipeTable::flag(const char* key, bool& value) {
   value = *node->value<bool>();
 }
 
+void RecipeTable::texts(const char* key, std::vector<std::string>& values) {
+  const toml::node* const node = find(key);
+  if (node == nullptr) return;
+  std::vector<std::string> read;
+  if (const toml::array* const list = node->as_array())
+    for (const toml::node& item : *list)
+      if (const auto given = item.value<std::string>()) read.push_back(*given);
+  if (read.empty() || read.size() != node->as_array()->size()) return wrong(key, "must be a list of texts");
+  values = std::move(read);
+}
+
 std::optional<std::string> RecipeTable::choice(const char* key, const std::set<std::string>& choices) {
   const toml::node* const node = find(key);
   if (node == nullptr) return std::nullopt;

@@ -51,6 +51,8 @@ class RecipeTable {
     values = std::move(read);
   }
   void flag(const char* key, bool& value);
+  /// A list of at least one.
+  void texts(const char* key, std::vector<std::string>& values);
   [[nodiscard]] std::optional<std::string> choice(const char* key, const std::set<std::string>& choices);
   /// A table inside, or an empty one.
   [[nodiscard]] toml::table inner(const char* key);

@@ -74,6 +74,28 @@ MadeTask make_task_of_file(Recipe recipe, const TaskSource& source) {
                                      source.rig_text);
 }
 
+/// The recordings that the recipe names, and says what of them is used.
+Result<std::vector<face::Motion>> read_recorded(const synthetic::DataRecipe& recipe,
+                                                const TaskSource& source) {
+  if (recipe.recorded_share == 0) {
+    if (source.recorded.empty()) return {};
+    return fail(ErrorCode::bad_usage, "the recipe draws nothing from recorded performances", source.where,
+                "set data.recorded_share and data.recorded, or leave --recorded away");
+  }
+  if (source.recorded.empty()) {
+    source.tell(
+        "without recorded performances: trained on drawn ones alone; name the recordings' folder with "
+        "--recorded");
+    return {};
+  }
+  MIEN_TRY_ASSIGN(std::vector<face::Motion> out, synthetic::read_recorded(recipe, source.recorded));
+  double seconds = 0;
+  for (const face::Motion& motion : out) seconds += motion.duration_s();
+  source.tell(fmt::format("recorded performances, a share of {:.2g}: {:.1f} minutes in {} files",
+                          recipe.recorded_share, seconds / 60, out.size()));
+  return out;
+}
+
 MadeTask make_blendshape_task(Recipe recipe, const TaskSource& source, const Progress& progress) {
   MIEN_TRY_ASSIGN(const synthetic::DataRecipe data_recipe,
                   synthetic::parse_data_recipe(recipe.data, source.where));
@@ -86,7 +108,9 @@ MadeTask make_blendshape_task(Recipe recipe, const TaskSource& source, const Pro
     MIEN_TRY_ASSIGN(takes, read_takes(data_recipe.seed, recipe.architecture.window, share, source, progress));
   }
   if (share < 1) {
-    MIEN_TRY_ASSIGN(data, synthetic::make_dataset(data_recipe, source.face, source.rig, progress));
+    MIEN_TRY_ASSIGN(const std::vector<face::Motion> recorded, read_recorded(data_recipe, source));
+    MIEN_TRY_ASSIGN(data,
+                    synthetic::make_dataset(data_recipe, source.face, source.rig, progress, 0, recorded));
   }
   if (share == 1) {
     data = std::move(takes.data);
@@ -172,6 +196,12 @@ Result<void> check_takes(const Recipe& recipe, const TaskSource& source, const M
         ErrorCode::bad_usage,
         fmt::format("only IMUs are trained on takes, and these sensors are of the kind {}", modality.kind),
         "rig " + source.rig.name, "leave --takes and the recipe's [takes] away");
+  if (!modality.learns_takes && !source.recorded.empty())
+    return fail(ErrorCode::bad_usage,
+                fmt::format("only wearers of IMUs perform recorded performances, and these sensors are of "
+                            "the kind {}",
+                            modality.kind),
+                "rig " + source.rig.name, "leave --recorded away");
   return {};
 }
 

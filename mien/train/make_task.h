@@ -30,6 +30,9 @@ struct TaskSource {
   /// A file of performances that were made before (synthetic::read_training_data), for IMUs to learn from
   /// instead of what [data] says; empty: they are made.
   std::filesystem::path data;
+  /// A folder of recorded performances, for virtual wearers of IMUs to perform as the recipe's [data] says;
+  /// empty: drawn performances alone, which `tell` then says.
+  std::filesystem::path recorded;
   /// Told of the takes before training begins, a line each: what is left out and why, how much is trained on.
   std::function<void(const std::string& line)> tell = [](const std::string&) {};
 };

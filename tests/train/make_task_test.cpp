@@ -55,6 +55,29 @@ TEST_F(MakeTask, OnlyImusLearnFromTakes) {
   }
 }
 
+TEST_F(MakeTask, OnlyWearersOfImusPerformRecordings) {
+  for (const char* rig : {"eyewear", "microphone", "headset"}) {
+    TaskSource with_recorded = source(rig);
+    with_recorded.recorded = folder_.path();
+    EXPECT_NE(refusal(causal_, with_recorded).what.find("only wearers of IMUs"), std::string::npos) << rig;
+  }
+  TaskSource unasked = source("default");
+  unasked.recorded = folder_.path();
+  EXPECT_NE(refusal(causal_, unasked).message().find("recorded_share"), std::string::npos);
+}
+
+TEST_F(MakeTask, WithoutTheFolderOfRecordingsAllIsDrawnAndItSaysSo) {
+  std::string said;
+  TaskSource without = source("default");
+  without.tell = [&said](const std::string& line) { said += line; };
+  const std::string recipe =
+      toy_causal_recipe(1,
+                        "[data]\nperformers = 1\nvalidation_performers = 1\nseconds = 2\ndevice_seconds = 0\n"
+                        "recorded_share = 0.5\nrecorded = [\"a.csv\"]\n");
+  EXPECT_TRUE(make_task(*parse_recipe(recipe, "r.toml"), without, no_progress));
+  EXPECT_NE(said.find("--recorded"), std::string::npos) << said;
+}
+
 TEST_F(MakeTask, SplitsAreOfTakes) {
   TaskSource splits_alone = source("default");
   splits_alone.splits = folder_ / "splits.toml";

@@ -9,9 +9,11 @@
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/toml.h"
+#include "mien/face/livelink_csv.h"
 #include "mien/performer/head_motion.h"
 #include "mien/performer/performer.h"
 #include "mien/performer/prologue.h"
+#include "mien/performer/recorded_motion.h"
 #include "mien/performer/script.h"
 #include "mien/performer/style.h"
 #include "mien/solve/trace_features.h"
@@ -78,6 +80,7 @@ Result<std::vector<float>> standard_slopes(const FaceSource& faces, const sensor
 Result<std::vector<dataset::Sequence>> perform_one(const DataRecipe& recipe, const FaceSource& faces,
                                                    const sensor::Rig& rig, const virt::DeviceFaults& faults,
                                                    const std::vector<float>& standard,
+                                                   std::span<const face::Motion> recorded,
                                                    std::uint32_t performer) {
   const Random root = Random(recipe.seed).fork("performer", performer);
   const face::Face face = draw_face(faces, recipe.identities, root.fork("identity"));
@@ -97,12 +100,20 @@ Result<std::vector<dataset::Sequence>> perform_one(const DataRecipe& recipe, con
   for (std::size_t i = 0; i < slopes.size(); ++i)
     if (told[i % face::kShapeCount] == 0) slopes[i] = standard[i];
 
+  const bool held_out = performer >= static_cast<std::uint32_t>(recipe.performers);
+  // Nobody recorded is left to validate on.
+  const bool replays =
+      !recorded.empty() && !held_out && root.fork("recorded").uniform() < recipe.recorded_share;
   std::vector<dataset::Sequence> out;
   Random script_random = root.fork("script");
+  const auto perform = [&](double seconds, bool moves_head, const Random& random) {
+    if (replays) return performer::perform_recorded(recorded, seconds, style, random);
+    performer::Script script = performer::random_script(seconds, script_random);
+    script.moves_head = moves_head;
+    return performer::perform(script, style, random);
+  };
   if (recipe.seconds > 0) {
-    performer::Script script = performer::random_script(recipe.seconds, script_random);
-    script.moves_head = false;
-    const face::Motion motion = performer::perform(script, style, root.fork("motion"));
+    const face::Motion motion = perform(recipe.seconds, false, root.fork("motion"));
     dataset::Sequence lab;
     lab.performer = performer;
     lab.lab = true;
@@ -117,15 +128,13 @@ Result<std::vector<dataset::Sequence>> perform_one(const DataRecipe& recipe, con
     }
     out.push_back(std::move(lab));
   }
-  const bool held_out = performer >= static_cast<std::uint32_t>(recipe.performers);
   if (recipe.device_seconds > 0 && (held_out || root.fork("device share").uniform() < recipe.device_share)) {
     // Some sessions are long, since headings drift, and in half of them the head moves as people wear such
     // things: nodding, turning, walking, whatever the face does.
     Random session_random = root.fork("device session");
     const double seconds =
         recipe.device_seconds * (session_random.chance(recipe.device_long_share) ? kLong : 1);
-    const performer::Script script = performer::random_script(seconds, script_random);
-    face::Motion motion = performer::perform(script, style, root.fork("device motion"));
+    face::Motion motion = perform(seconds, true, root.fork("device motion"));
     if (session_random.chance(recipe.device_moving_share))
       motion = performer::with_head_motion(motion, root.fork("head"));
     const performer::PrologueMotion begun =
@@ -166,6 +175,8 @@ Result<DataRecipe> parse_data_recipe(std::string_view text, const std::string& w
   data.number("placement_mm", recipe.placement_mm, 0, 50);
   data.number("kinematics_gain", recipe.kinematics.gain, 0, 10);
   data.number("kinematics_deg", kinematics_deg, 0, 180);
+  data.number("recorded_share", recipe.recorded_share, 0, 1);
+  data.texts("recorded", recipe.recorded);
   MIEN_TRY(data.finish());
   if (table.contains("kinematics_deg"))
     recipe.kinematics.direction_rad = kinematics_deg * std::numbers::pi / 180;
@@ -173,22 +184,41 @@ Result<DataRecipe> parse_data_recipe(std::string_view text, const std::string& w
     if (seconds > 0 && seconds < 1)
       return fail(ErrorCode::out_of_range, "data.seconds and data.device_seconds must be 0 or at least 1",
                   where);
+  for (const std::string& name : recipe.recorded)
+    if (name.empty() || std::filesystem::path(name).filename() != name)
+      return fail(ErrorCode::out_of_range, "data.recorded must be names of files, without a folder", where);
+  if ((recipe.recorded_share > 0) == recipe.recorded.empty())
+    return fail(ErrorCode::out_of_range, "data.recorded_share and data.recorded need each other", where);
   if (recipe.seconds == 0 && (recipe.device_seconds == 0 || recipe.device_share == 0))
     return fail(ErrorCode::out_of_range, "[data] seconds and device_seconds leave nothing to perform", where);
   return recipe;
 }
 
+Result<std::vector<face::Motion>> read_recorded(const DataRecipe& recipe,
+                                                const std::filesystem::path& folder) {
+  std::vector<face::Motion> out;
+  for (const std::string& name : recipe.recorded) {
+    const std::filesystem::path path = folder / name;
+    MIEN_TRY_ASSIGN(out.emplace_back(), face::load_motion(path));
+    const auto with_face = std::ranges::count(out.back().frames, true, &face::MotionFrame::has_face);
+    if (with_face < 2 || out.back().duration_s() < 1)
+      return fail(ErrorCode::out_of_range, "less than a second of it shows a face", path.string(),
+                  "take it out of data.recorded");
+  }
+  return out;
+}
+
 Result<dataset::TrainingData> make_dataset(const DataRecipe& recipe, const std::string& face_name,
-                                           const sensor::Rig& rig, const Progress& progress,
-                                           unsigned threads) {
+                                           const sensor::Rig& rig, const Progress& progress, unsigned threads,
+                                           std::span<const face::Motion> recorded) {
   MIEN_TRY_ASSIGN(const virt::DeviceFaults faults, virt::parse_faults(rig.faults_toml, rig.name));
   MIEN_TRY_ASSIGN(const FaceSource faces, open_faces(face_name, progress));
   MIEN_TRY_ASSIGN(const std::vector<float> standard, standard_slopes(faces, rig));
   const auto count = static_cast<std::size_t>(recipe.performers + recipe.validation_performers);
   std::vector<std::vector<dataset::Sequence>> performed(count);
   MIEN_TRY(virt::for_each_performer(count, threads, progress, [&](std::size_t p) -> Result<void> {
-    MIEN_TRY_ASSIGN(performed[p],
-                    perform_one(recipe, faces, rig, faults, standard, static_cast<std::uint32_t>(p)));
+    MIEN_TRY_ASSIGN(performed[p], perform_one(recipe, faces, rig, faults, standard, recorded,
+                                              static_cast<std::uint32_t>(p)));
     return {};
   }));
 

@@ -1,13 +1,17 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/dataset/dataset.h"
 #include "mien/face/ict_import.h"
+#include "mien/face/motion.h"
 #include "mien/sensor/rig.h"
 #include "mien/virtual/imu/skin_site.h"
 
@@ -34,6 +38,10 @@ struct DataRecipe {
   /// none of it to all.
   double placement_mm = 3;            ///< Placement error along the skin, one sigma an axis.
   virt::KinematicsSpread kinematics;  ///< Drawn anew for each performer.
+  /// Share of the training performers, 0 to 1, whose performances are made of recorded ones
+  /// (performer::perform_recorded). Raising: closer to those people, less varied.
+  double recorded_share = 0;
+  std::vector<std::string> recorded;  ///< Names of the recordings in their folder, Live Link Face CSVs.
   bool operator==(const DataRecipe&) const = default;
 };
 
@@ -41,13 +49,20 @@ struct DataRecipe {
 /// name.
 [[nodiscard]] Result<DataRecipe> parse_data_recipe(std::string_view toml, const std::string& where);
 
-/// Lets virtual performers perform. `face` as face::load_face takes it; "builtin" draws identities of the
-/// built-in family, an ICT folder those of ICT. The same recipe, face and rig give the same bits on any
-/// number of threads; 0 threads: one a core. Errors: those of the face and the faults; cancelled. Cost: about
-/// a minute of one core an hour of lab performance, three times that an hour of device performance.
+/// The recipe's recordings in `folder`, in its order. Errors: face::load_motion's; out_of_range (less than a
+/// second with a face).
+[[nodiscard]] Result<std::vector<face::Motion>> read_recorded(const DataRecipe& recipe,
+                                                              const std::filesystem::path& folder);
+
+/// Lets virtual performers perform; some by `recorded`, as the recipe says, where that is not empty. `face`
+/// as face::load_face takes it; "builtin" draws identities of the built-in family, an ICT folder those of
+/// ICT. The same recipe, face and rig give the same bits on any number of threads; 0 threads: one a core.
+/// Errors: those of the face and the faults; cancelled. Cost: about a minute of one core an hour of lab
+/// performance, three times that an hour of device performance.
 [[nodiscard]] Result<dataset::TrainingData> make_dataset(const DataRecipe& recipe, const std::string& face,
                                                          const sensor::Rig& rig,
                                                          const Progress& progress = no_progress,
-                                                         unsigned threads = 0);
+                                                         unsigned threads = 0,
+                                                         std::span<const face::Motion> recorded = {});
 
 }  // namespace mien::synthetic

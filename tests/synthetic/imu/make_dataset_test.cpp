@@ -2,9 +2,14 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
+#include "mien/core/files.h"
+#include "mien/face/livelink_csv.h"
+#include "tests/folder.h"
 #include "tests/virtual/three_sensors.h"
 
 namespace mien::synthetic::make_dataset_test {
@@ -53,6 +58,47 @@ TEST(MakeDataset, GivesTheSameBitsOnTwoThreads) {
       make_dataset(small_recipe(), "builtin", rig_with_faults(), no_progress, 2).value();
   expect_same(small_data().train, two.train);
   expect_same(small_data().validation, two.validation);
+}
+
+TEST(MakeDataset, TrainingPerformersAloneMayPerformRecordings) {
+  face::Motion recording;
+  for (int i = 0; i < 90; ++i) {
+    recording.frames.push_back({.time_s = i / 30.0});
+    for (const std::size_t cheek : {face::shape("cheekPuff_L"), face::shape("cheekPuff_R")})
+      recording.frames.back().weights[cheek] = 0.5F + 0.4F * std::sin(0.2F * static_cast<float>(i));
+  }
+  DataRecipe recipe = small_recipe();
+  recipe.recorded_share = 1;
+  const std::array recorded = {recording};
+  const dataset::TrainingData data =
+      make_dataset(recipe, "builtin", rig_with_faults(), no_progress, 1, recorded).value();
+  expect_same(small_data().validation, data.validation);
+  for (const dataset::Sequence& s : data.train.sequences) {
+    float most = 0, least = 1;
+    for (std::size_t f = 0; f < s.frames; ++f) {
+      const float puffed = s.weights[f * face::kShapeCount + face::shape("cheekPuff_L")];
+      most = std::max(most, puffed);
+      least = std::min(least, puffed);
+    }
+    EXPECT_GT(most - least, 0.2);
+  }
+  // Without the recordings all performances are drawn.
+  expect_same(small_data().train, make_dataset(recipe, "builtin", rig_with_faults()).value().train);
+}
+
+TEST(MakeDataset, ARecordingThatIsNoneIsNamed) {
+  mien::test::Folder folder;
+  DataRecipe recipe = small_recipe();
+  recipe.recorded = {"away.csv"};
+  const auto away = read_recorded(recipe, folder.path());
+  ASSERT_FALSE(away);
+  EXPECT_THAT(away.error().message(), HasSubstr("away.csv"));
+  ASSERT_TRUE(write_file(folder / "short.csv", face::format_livelink_csv(face::Motion{
+                                                   .name = "short", .frames = {{.time_s = 0}}})));
+  recipe.recorded = {"short.csv"};
+  const auto brief = read_recorded(recipe, folder.path());
+  ASSERT_FALSE(brief);
+  EXPECT_EQ(brief.error().code, ErrorCode::out_of_range);
 }
 
 TEST(MakeDataset, HoldsPeopleOut) {
@@ -120,7 +166,8 @@ TEST(DataRecipe, ReadsEveryKey) {
   const DataRecipe recipe = parse_data_recipe(
                                 "seed = 7\nperformers = 3\nvalidation_performers = 2\nseconds = 40\n"
                                 "device_seconds = 20.5\ndevice_share = 0.25\nidentities = false\n"
-                                "placement_mm = 1.5\nkinematics_gain = 0.1\nkinematics_deg = 90\n",
+                                "placement_mm = 1.5\nkinematics_gain = 0.1\nkinematics_deg = 90\n"
+                                "recorded_share = 0.5\nrecorded = [\"a.csv\", \"b.csv\"]\n",
                                 "r.toml")
                                 .value();
   DataRecipe expected;
@@ -134,6 +181,8 @@ TEST(DataRecipe, ReadsEveryKey) {
   expected.placement_mm = 1.5;
   expected.kinematics.gain = 0.1;
   expected.kinematics.direction_rad = recipe.kinematics.direction_rad;
+  expected.recorded_share = 0.5;
+  expected.recorded = {"a.csv", "b.csv"};
   EXPECT_EQ(recipe, expected);
   EXPECT_NEAR(recipe.kinematics.direction_rad, M_PI / 2, 1e-12);
   EXPECT_EQ(parse_data_recipe("", "r.toml").value(), DataRecipe{});
@@ -163,6 +212,13 @@ TEST(DataRecipe, EveryWrongSettingIsRefusedByName) {
            {"placement_mm = nan", "placement_mm"},
            {"kinematics_gain = -0.1", "kinematics_gain"},
            {"kinematics_deg = 181", "kinematics_deg"},
+           {"recorded_share = 1.5\nrecorded = [\"a.csv\"]", "recorded_share"},
+           {"recorded_share = 0.5", "recorded"},
+           {"recorded = [\"a.csv\"]", "recorded_share"},
+           {"recorded_share = 0.5\nrecorded = []", "recorded"},
+           {"recorded_share = 0.5\nrecorded = [3]", "recorded"},
+           {"recorded_share = 0.5\nrecorded = \"a.csv\"", "recorded"},
+           {"recorded_share = 0.5\nrecorded = [\"../a.csv\"]", "without a folder"},
            {"minutes = 3", "minutes"},
            {"seconds = 0\ndevice_seconds = 0", "nothing to perform"},
            {"seconds =", "line 1"}}) {
