@@ -12,11 +12,14 @@
 #include "app/command.h"
 #include "app/model_option.h"
 #include "app/phone_option.h"
+#include "app/private_folder.h"
+#include "app/wear_again.h"
 #include "mien/core/excerpt.h"
 #include "mien/measure/evaluation_json.h"
 #include "mien/measure/evaluation_report.h"
 #include "mien/modalities/modalities.h"
 #include "mien/sensor/rig_part.h"
+#include "mien/solve/part_of_work.h"
 #include "mien/solve/phone_truth.h"
 #include "mien/solve/region_tally.h"
 #include "mien/solve/solve.h"
@@ -32,6 +35,7 @@ struct EvaluateOptions {
   PhoneOption phone;  // Not given: the takes' own truth.
   bool ablate = false;
   double every_min = 0;
+  int wears = 0;
   std::string face;
   std::string report;
   bool no_adapt = false;
@@ -90,13 +94,14 @@ std::vector<Ablated> ablations(const shaping::ShaperSettings& settings) {
 }
 
 /// What is to be measured of a take, then the same with each step of shaping left out.
+/// `name`: for people.
 Result<std::vector<solve::Solution>> solve(const OpenModel& model, const take::Take& take,
-                                           const OpenModel::Shaping& shaping,
+                                           const std::string& name, const OpenModel::Shaping& shaping,
                                            const std::vector<Ablated>& ablated) {
   std::vector<OpenModel::Shaping> all = {shaping};
   if (!ablated.empty()) all.front() = shaping.value_or(shaping::ShaperSettings{});
   for (const Ablated& without : ablated) all.emplace_back(without.settings);
-  return model.solve_by_each(take, take.path().string(), all);
+  return model.solve_by_each(take, name, all);
 }
 
 /// The face that `name` asks for; where it asks for none, the one on which all the takes were performed, or
@@ -172,6 +177,28 @@ void say_unlearnt(const std::map<std::string, std::vector<std::string>>& unlearn
   }
 }
 
+/// The takes performed anew, over so many wears of the sensors.
+Result<measure::Wears> measure_wears(int wears, const std::vector<take::Take>& takes, const OpenModel& model,
+                                     const OpenModel::Shaping& shaping, const measure::Meter& meter) {
+  MIEN_TRY_ASSIGN(const PrivateFolder folder, PrivateFolder::make());
+  const Progress shown = terminal_progress("wears");
+  std::vector<measure::Evaluation> worn;
+  for (int wear = 1; wear <= wears; ++wear) {
+    std::vector<measure::TakeEstimates> estimates;
+    const Progress part = solve::part_of_work(shown, (wear - 1.0) / wears, 1.0 * wear / wears);
+    for (const take::Take& take : takes) {
+      const std::uint64_t seed = take.header().seed + static_cast<std::uint64_t>(wear);
+      MIEN_TRY_ASSIGN(const take::Take anew, wear_again(take, seed, folder.path(), part));
+      MIEN_TRY_ASSIGN(const std::vector<solve::Solution> solutions,
+                      solve(model, anew, fmt::format("wear {}", wear), shaping, {}));
+      MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, solve::own_truth(anew));
+      estimates.push_back(solve::with_truth(take.path().string(), solutions.front(), truth));
+    }
+    MIEN_TRY_ASSIGN(worn.emplace_back(), measure::evaluate(meter, estimates, model.mean_pose()));
+  }
+  return measure::over_wears(worn);
+}
+
 Result<void> run_evaluate(EvaluateOptions options) {
   if (!options.report.empty()) MIEN_TRY(check_output(options.report, {".html"}));
   if (!options.phone.file().empty() && options.takes.size() > 1)
@@ -187,6 +214,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
     MIEN_TRY_ASSIGN(Truth truth, read_truth(options.phone, take));
     truths.push_back(std::move(truth.frames));
     if (truth.told) told.push_back(*std::move(truth.told));
+    if (options.wears > 0) MIEN_TRY(check_wears_again(take));
     devices.insert(take.header().devices);
     performed_on.insert(take.header().face);
     takes.push_back(std::move(take));
@@ -209,7 +237,8 @@ Result<void> run_evaluate(EvaluateOptions options) {
   double adapt_s = 0;
   std::map<std::string, std::vector<std::string>> unlearnt;  // Takes by why.
   for (std::size_t t = 0; t < takes.size(); ++t) {
-    MIEN_TRY_ASSIGN(const std::vector<solve::Solution> solutions, solve(model, takes[t], shaping, ablated));
+    MIEN_TRY_ASSIGN(const std::vector<solve::Solution> solutions,
+                    solve(model, takes[t], takes[t].path().string(), shaping, ablated));
     const solve::Solution& solution = solutions.front();
     if (solution.personalised && solution.personalised->taken) ++adapted;
     adapt_s += solution.personalise_s;
@@ -226,6 +255,9 @@ Result<void> run_evaluate(EvaluateOptions options) {
     for (const measure::TakeEstimates& take : estimates)
       evaluation.pieces.push_back(
           {take.take, measure::pieces_of(take.truth, take.model, model.mean_pose(), 60 * options.every_min)});
+  if (options.wears > 0) {
+    MIEN_TRY_ASSIGN(evaluation.wears, measure_wears(options.wears, takes, model, shaping, meter));
+  }
   evaluation.ece = solve::expected_region_error(estimates);
   say_unlearnt(unlearnt);
   if (adapted > 0 && adapted < takes.size())
@@ -261,6 +293,9 @@ Result<void> run_evaluate(EvaluateOptions options) {
   if (evaluation.ridge) print_row("ridge", *evaluation.ridge);
   print_row("hold last", evaluation.hold_last);
   print_row("mean pose", evaluation.mean_pose);
+  if (const measure::Table wears = measure::wears_table(evaluation); !wears.rows.empty())
+    fmt::print("\n{}", measure::plain_text(wears));
+  fmt::print("\n{}", measure::plain_text(measure::motion_table(evaluation)));
   if (const measure::Table eyes = measure::eyes_and_lips_table(evaluation); !eyes.rows.empty())
     fmt::print("\n{}", measure::plain_text(eyes));
   if (!evaluation.ablations.empty())
@@ -297,6 +332,14 @@ void add_evaluate_command(Commands& commands) {
           "--every", options->every_min,
           "Also print the error of each piece of this many minutes of a take: whether it stays as it began")
       .in_range(0.1, 600.0);
+  command
+      .add_option(
+          "--wears", options->wears,
+          "Also perform the takes' truth anew so many times, the sensors put on otherwise each time, and "
+          "print the errors' mean and 95 % interval over these wears; of performed takes. More: narrower "
+          "intervals, longer work")
+      .in_range(2, 100)
+      .excludes(command.option("--truth"));
   command.add_option("--face", options->face,
                      "Face to measure on (default: the take's own where it is found, else builtin)");
   command.add_option("--report", options->report, "Write a self-contained HTML page with plots");

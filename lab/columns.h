@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "lab/interval.h"
 #include "mien/face/profile.h"
+#include "mien/measure/interval.h"
 #include "mien/measure/metrics.h"
 #include "mien/measure/report.h"
 
@@ -78,7 +78,7 @@ template <class Value>
 }
 
 /// {"mean", "low", "high"}; the ends null where nothing tells them.
-[[nodiscard]] inline Json interval_json(const Interval& of) {
+[[nodiscard]] inline Json interval_json(const measure::Interval& of) {
   const auto end = [&](double value) { return of.half() > 0 ? Json(value) : Json(); };
   return {{"mean", of.mean}, {"low", end(of.low)}, {"high", end(of.high)}};
 }

@@ -65,17 +65,17 @@ app::Json to_json(const AblationStudy& study, const AblationResult& result) {
     const SeedErrors& errors = result.on(set);
     if (errors.empty()) continue;
     app::Json& test = out["tests"][std::string(ablation_test_name(set))];
-    const auto of = [&](SeedFigures SeedErrors::*measure) {
-      return interval_json(mean_interval(figures_of(result, set, measure)));
+    const auto of = [&](measure::SeedFigures SeedErrors::*measure) {
+      return interval_json(measure::mean_interval(figures_of(result, set, measure)));
     };
-    const auto change = [&](SeedFigures SeedErrors::*measure) {
-      const std::optional<Interval> changed = change_of(study, result, set, measure);
+    const auto change = [&](measure::SeedFigures SeedErrors::*measure) {
+      const std::optional<measure::Interval> changed = change_of(study, result, set, measure);
       return changed ? interval_json(*changed) : app::Json();
     };
     test = {{"pve_mm", of(&SeedErrors::pve_mm)},
             {"lmk_mm", of(&SeedErrors::lmk_mm)},
             {"mse", of(&SeedErrors::mse)},
-            {"jitter_ratio", mean_interval(errors.jitter).mean},
+            {"jitter_ratio", measure::mean_interval(errors.jitter).mean},
             {"pve_mm_by_seed_and_person", errors.pve_mm},
             {"mse_by_seed_and_person", errors.mse},
             {"pve_change", change(&SeedErrors::pve_mm)},

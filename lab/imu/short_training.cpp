@@ -135,7 +135,7 @@ synthetic::DataRecipe short_data(std::uint64_t seed) {
 }
 
 void SeedErrors::add_seed(std::span<const PersonErrors> people) {
-  for (SeedFigures* figures : {&pve_mm, &lmk_mm, &mse, &jitter}) figures->emplace_back();
+  for (measure::SeedFigures* figures : {&pve_mm, &lmk_mm, &mse, &jitter}) figures->emplace_back();
   for (const PersonErrors& person : people) {
     pve_mm.back().push_back(person.pve_mm);
     lmk_mm.back().push_back(person.lmk_mm);

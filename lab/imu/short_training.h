@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "lab/interval.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
+#include "mien/measure/interval.h"
 #include "mien/measure/metrics.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
@@ -101,7 +101,7 @@ struct PersonErrors {
 
 /// Errors of a network that was trained with several seeds: of each seed one figure a person.
 struct SeedErrors {
-  SeedFigures pve_mm, lmk_mm, mse, jitter;
+  measure::SeedFigures pve_mm, lmk_mm, mse, jitter;
   [[nodiscard]] bool empty() const { return pve_mm.empty(); }
   /// One more seed's, of the same people in the same order.
   void add_seed(std::span<const PersonErrors> people);

@@ -133,6 +133,34 @@ std::vector<Stretch> stretches_of(const std::vector<TakeEstimates>& takes, const
   return stretches;
 }
 
+/// Of each shape the 10th percentile over the runs' frames, clipped to [0, 1].
+face::BlendshapeWeights rest_of(const Track& track,
+                                const std::vector<std::pair<std::size_t, std::size_t>>& runs) {
+  face::BlendshapeWeights rest;
+  std::vector<float> values;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    values.clear();
+    for (const auto& [begin, end] : runs)
+      for (std::size_t f = begin; f < end; ++f) values.push_back(std::clamp(track[f][k], 0.0F, 1.0F));
+    if (values.empty()) continue;
+    const auto tenth = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 10);
+    std::ranges::nth_element(values, tenth);
+    rest[k] = *tenth;
+  }
+  return rest;
+}
+
+/// The estimate as it is with the truth's rest.
+Track resting_as(const Track& estimate, const Track& truth, std::span<const take::TruthFrame> frames) {
+  const auto runs = evaluated_runs(frames);
+  const face::BlendshapeWeights own = rest_of(estimate, runs), right = rest_of(truth, runs);
+  Track out = estimate;
+  for (face::BlendshapeWeights& weights : out)
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      weights[k] = std::clamp(weights[k], 0.0F, 1.0F) - own[k] + right[k];
+  return out;
+}
+
 }  // namespace
 
 Ablation measure_ablation(const Meter& meter, const std::vector<TakeEstimates>& takes, std::string without,
@@ -147,6 +175,20 @@ Ablation measure_ablation(const Meter& meter, const std::vector<TakeEstimates>& 
   out.metrics = meter.measure(stretches_of(takes, truths, Gaze::as_weights_say,
                                            [&](std::size_t t) -> const Track& { return weights[t]; }));
   return out;
+}
+
+Wears over_wears(std::span<const Evaluation> worn) {
+  const auto interval = [&](auto&& figure) {
+    SeedFigures figures(1);
+    for (const Evaluation& one : worn) figures.front().push_back(figure(one.model));
+    return mean_interval(figures);
+  };
+  const auto rest = [](const Metrics& of) { return of.about_rest.value_or(MotionErrors{}); };
+  return {.count = worn.size(),
+          .pve_mm = interval([](const Metrics& of) { return of.pve_mm.mean; }),
+          .mse = interval([](const Metrics& of) { return of.mse; }),
+          .pve_about_rest_mm = interval([&](const Metrics& of) { return rest(of).pve_mm; }),
+          .mse_about_rest = interval([&](const Metrics& of) { return rest(of).mse; })};
 }
 
 Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>& takes,
@@ -168,6 +210,12 @@ Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>
     const std::vector<Stretch> stretches = stretches_of(takes, truths, gaze, track_of);
     Metrics metrics = meter.measure(stretches);
     metrics.eyes_and_lips = meter.eyes_and_lips().measure(stretches);
+    std::vector<Track> moved;
+    for (std::size_t t = 0; t < takes.size(); ++t)
+      moved.push_back(resting_as(track_of(t), truths[t], takes[t].truth));
+    const Metrics motion = meter.measure(stretches_of(
+        takes, truths, Gaze::as_weights_say, [&](std::size_t t) -> const Track& { return moved[t]; }));
+    metrics.about_rest = MotionErrors{.mse = motion.mse, .pve_mm = motion.pve_mm.mean};
     return metrics;
   };
   out.model = measure([&](std::size_t t) -> const Track& { return takes[t].model; }, Gaze::of_model);

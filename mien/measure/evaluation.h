@@ -10,6 +10,7 @@
 
 #include "mien/core/progress.h"
 #include "mien/face/output_frame.h"
+#include "mien/measure/interval.h"
 #include "mien/measure/metrics.h"
 #include "mien/measure/pieces.h"
 #include "mien/take/take.h"
@@ -51,6 +52,13 @@ struct TakePieces {
   std::vector<Piece> pieces;
 };
 
+/// Errors of the model over several wears of the sensors: the mean over the wears, of all takes as one, and
+/// where it lies with 95 % confidence (mean_interval of one seed).
+struct Wears {
+  std::size_t count = 0;
+  Interval pve_mm, mse, pve_about_rest_mm, mse_about_rest;
+};
+
 /// The model beside its baselines on the same frames.
 struct Evaluation {
   std::size_t frames = 0;
@@ -66,6 +74,7 @@ struct Evaluation {
   std::optional<double> ece;
   std::vector<Ablation> ablations;  ///< Empty unless they were asked for.
   std::vector<TakePieces> pieces;   ///< Of each take; empty unless they were asked for.
+  std::optional<Wears> wears;       ///< Absent unless they were asked for.
 };
 
 /// The frames that count, those evaluated and with a face, as stretches without a gap: [begin, end).
@@ -89,6 +98,9 @@ struct Evaluation {
 [[nodiscard]] Ablation measure_ablation(const Meter& meter, const std::vector<TakeEstimates>& takes,
                                         std::string without,
                                         std::span<const std::vector<face::BlendshapeWeights>> weights);
+
+/// Sums up what evaluate() measured of the same takes, worn anew each time. At least two.
+[[nodiscard]] Wears over_wears(std::span<const Evaluation> worn);
 
 /// Measures over the evaluated frames with a face, of all takes as one. `mean_pose` is the training set's.
 /// Errors: not_found when no frame is left to measure.

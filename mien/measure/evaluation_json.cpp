@@ -21,6 +21,22 @@ OrderedJson to_json(double value) {
   return value;
 }
 
+OrderedJson to_json(const MotionErrors& value) {
+  return {{"mse", value.mse}, {"pve_mm", value.pve_mm}};
+}
+
+OrderedJson to_json(const Interval& value) {
+  return {{"mean", value.mean}, {"low", value.low}, {"high", value.high}};
+}
+
+OrderedJson to_json(const Wears& value) {
+  return {
+      {"count", value.count},
+      {"pve_mm", to_json(value.pve_mm)},
+      {"mse", to_json(value.mse)},
+      {"about_rest", {{"pve_mm", to_json(value.pve_about_rest_mm)}, {"mse", to_json(value.mse_about_rest)}}}};
+}
+
 template <class T>
 OrderedJson or_null(const std::optional<T>& value) {
   return value ? to_json(*value) : OrderedJson(nullptr);
@@ -35,6 +51,7 @@ OrderedJson to_json(const Metrics& metrics) {
   out["lmk_mm"] = or_null(metrics.lmk_mm);
   out["jitter_ratio"] = or_null(metrics.jitter_ratio);
   out["blink_f1"] = or_null(metrics.blink_f1);
+  if (metrics.about_rest) out["about_rest"] = to_json(*metrics.about_rest);
   if (metrics.eyes_and_lips) {
     const EyesAndLips& eyes_and_lips = *metrics.eyes_and_lips;
     out["gaze_deg"] = or_null(eyes_and_lips.gaze_deg);
@@ -110,6 +127,7 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
   out["baselines"]["mean_pose"] = to_json(evaluation.mean_pose);
   out["baselines"]["hold_last"] = to_json(evaluation.hold_last);
   out["baselines"]["ridge"] = evaluation.ridge ? to_json(*evaluation.ridge) : OrderedJson(nullptr);
+  if (evaluation.wears) out["wears"] = to_json(*evaluation.wears);
   if (!evaluation.ablations.empty()) {
     OrderedJson& ablations = out["ablations"] = OrderedJson::array();
     for (const Ablation& one : evaluation.ablations)

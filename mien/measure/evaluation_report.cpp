@@ -174,6 +174,38 @@ Table eyes_and_lips_table(const Evaluation& evaluation) {
   return table;
 }
 
+Table motion_table(const Evaluation& evaluation) {
+  Table table;
+  table.caption = "About each shape's own rest";
+  table.columns = {"", "PVE, mm", "MSE"};
+  const auto add = [&](const char* name, const Metrics& metrics) {
+    if (const auto& of = metrics.about_rest)
+      table.rows.push_back({name, number(of->pve_mm, 3), number(of->mse, 4)});
+  };
+  add("model", evaluation.model);
+  if (evaluation.ridge) add("ridge, one frame", *evaluation.ridge);
+  add("hold last second", evaluation.hold_last);
+  add("mean pose", evaluation.mean_pose);
+  return table;
+}
+
+Table wears_table(const Evaluation& evaluation) {
+  Table table;
+  table.columns = {"", "mean", "95 % from", "to"};
+  if (!evaluation.wears) return table;
+  const Wears& wears = *evaluation.wears;
+  table.caption = fmt::format("The model over {} wears of the sensors", wears.count);
+  const auto add = [&](const char* name, const Interval& of, int decimals) {
+    table.rows.push_back(
+        {name, number(of.mean, decimals), number(of.low, decimals), number(of.high, decimals)});
+  };
+  add("PVE, mm", wears.pve_mm, 3);
+  add("MSE", wears.mse, 4);
+  add("PVE about rest, mm", wears.pve_about_rest_mm, 3);
+  add("MSE about rest", wears.mse_about_rest, 4);
+  return table;
+}
+
 Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& context) {
   Report report(
       "Capture against truth",
@@ -203,6 +235,14 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
   report.table(table);
   report.text(baselines_explained(table, evaluation.ridge.has_value()));
 
+  if (const Table wears = wears_table(evaluation); !wears.rows.empty()) report.table(wears);
+  if (const Table motion = motion_table(evaluation); !motion.rows.empty()) {
+    report.table(motion);
+    report.text(
+        "As an avatar shows it that has a neutral of its own: each shape of an estimate is shifted so that "
+        "its "
+        "10th percentile over a take is the truth's.");
+  }
   if (const Table eyes = eyes_and_lips_table(evaluation); !eyes.rows.empty()) report.table(eyes);
 
   if (!evaluation.ablations.empty()) {

@@ -23,6 +23,14 @@ struct ShapeScore {
   std::optional<double> pearson;  ///< Absent where the truth or the estimate does not move.
 };
 
+/// Errors of the motion alone, since a receiver's avatar has a neutral of its own: each shape of the estimate
+/// is shifted so that it rests where the truth does. A shape's rest is its 10th percentile over the measured
+/// frames of a take.
+struct MotionErrors {
+  double mse = 0;
+  double pve_mm = 0;
+};
+
 /// What `mien evaluate` prints for one estimate (docs/reference/metrics.md has every definition).
 struct Metrics {
   std::size_t frames = 0;
@@ -34,7 +42,8 @@ struct Metrics {
   std::optional<double> jitter_ratio;  ///< Third difference of the landmarks over the truth's own.
   std::optional<double> blink_f1;      ///< Absent when neither truth nor estimate has a blink.
   std::array<ShapeScore, face::kShapeCount> per_shape{};
-  /// Absent where it was not asked for: evaluate() does.
+  /// Absent where they were not asked for: evaluate() does.
+  std::optional<MotionErrors> about_rest;
   std::optional<EyesAndLips> eyes_and_lips;
 
   std::vector<float> mse_curve;     ///< One a frame.

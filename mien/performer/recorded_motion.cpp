@@ -142,8 +142,8 @@ bool is_upper(std::size_t k) {
 BlendshapeWeights mirrored(const BlendshapeWeights& weights) {
   BlendshapeWeights out;
   for (std::size_t k = 0; k < kShapeCount; ++k) out[k] = weights[other_side(k)];
-  for (const auto& [left, right] : {std::pair{shape("jawLeft"), shape("jawRight")},
-                                    std::pair{shape("mouthLeft"), shape("mouthRight")}}) {
+  for (const auto& [left, right] :
+       {std::pair{shape("jawLeft"), shape("jawRight")}, std::pair{shape("mouthLeft"), shape("mouthRight")}}) {
     out[left] = weights[right];
     out[right] = weights[left];
   }

@@ -22,6 +22,8 @@ Evaluation some_evaluation() {
       EyesAndLips{.gaze_deg = EyesAndLips::Angle{2.5, 7.5}, .openness_pearson = 0.75, .lip_gap_f1 = 0.5};
   evaluation.mean_pose.eyes_and_lips =
       EyesAndLips{.gaze_deg = EyesAndLips::Angle{8, 9}, .openness_pearson = {}, .lip_gap_f1 = 0.25};
+  evaluation.model.about_rest = MotionErrors{.mse = 0.5, .pve_mm = 0.25};
+  evaluation.wears = Wears{.count = 5, .pve_mm = {2, 1, 3}, .mse = {0.5, 0.25, 0.75}};
   evaluation.ece = 0.0625;
   evaluation.model.per_shape[face::shape("jawOpen")] = {0.0625, 0.5};
   evaluation.mean_pose.mse = 1;
@@ -55,6 +57,10 @@ TEST(EvaluationJson, HasWhatTheContractNames) {
   EXPECT_EQ(model["gaze_deg"], (nlohmann::json{{"median", 2.5}, {"p90", 7.5}}));
   EXPECT_EQ(model["openness_pearson"], 0.75);
   EXPECT_EQ(model["lip_gap_f1"], 0.5);
+  EXPECT_EQ(model["about_rest"], (nlohmann::json{{"mse", 0.5}, {"pve_mm", 0.25}}));
+  EXPECT_EQ(json["wears"]["count"], 5);
+  EXPECT_EQ(json["wears"]["pve_mm"], (nlohmann::json{{"mean", 2}, {"low", 1}, {"high", 3}}));
+  EXPECT_TRUE(json["wears"]["about_rest"].contains("mse"));
   EXPECT_EQ(model["ece"], 0.0625);
   EXPECT_EQ(json["baselines"]["mean_pose"]["gaze_deg"]["median"], 8);
   EXPECT_FALSE(json["baselines"]["mean_pose"].contains("ece")) << "a pose claims nothing";

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 
 #include "mien/builtin_face/builtin_face.h"
 
@@ -46,6 +47,39 @@ TEST(MeasureTrack, IsWhatEvaluateMakesOfOneTake) {
   EXPECT_EQ(one.pve_mm.mean, whole->model.pve_mm.mean);
   EXPECT_EQ(one.jitter_ratio, whole->model.jitter_ratio);
   EXPECT_EQ(measure_track(meter, take.truth, hold_last(take.truth)).mse, whole->hold_last.mse);
+}
+
+TEST(Evaluate, MotionIsMeasuredAboutEachShapesOwnRest) {
+  const Meter meter(builtin_face::make_builtin());
+  TakeEstimates take{.take = "one", .truth = opening(200, 10, 60), .model = {}, .ridge = {}};
+  for (take::TruthFrame& frame : take.truth) {
+    frame.weights[face::shape("jawOpen")] *= 0.5F;
+    take.model.push_back(frame.weights);
+    take.model.back()[face::shape("jawOpen")] += 0.2F;
+  }
+  const auto evaluation = evaluate(meter, {take}, {});
+  ASSERT_TRUE(evaluation);
+  EXPECT_NEAR(evaluation->model.mse, 0.2 * 0.2 / face::kShapeCount, 1e-6);
+  ASSERT_TRUE(evaluation->model.about_rest);
+  EXPECT_NEAR(evaluation->model.about_rest->mse, 0, 1e-9) << "it is off by a constant";
+  EXPECT_NEAR(evaluation->model.about_rest->pve_mm, 0, 1e-4);
+  EXPECT_GT(evaluation->mean_pose.about_rest.value().pve_mm, 0.1) << "a pose that does not move";
+}
+
+TEST(OverWears, GivesTheMeanAndItsInterval) {
+  std::vector<Evaluation> worn(5);
+  for (std::size_t i = 0; i < worn.size(); ++i) {
+    worn[i].model.pve_mm.mean = 0.5 + 0.01 * static_cast<double>(i);
+    worn[i].model.mse = 0.01;
+    worn[i].model.about_rest = MotionErrors{.mse = 0.004, .pve_mm = 0.3};
+  }
+  const Wears wears = over_wears(worn);
+  EXPECT_EQ(wears.count, 5U);
+  EXPECT_NEAR(wears.pve_mm.mean, 0.52, 1e-12);
+  EXPECT_NEAR(wears.pve_mm.half(), 2.7764 * std::sqrt(0.00025 / 5), 1e-6)
+      << "Student's, 4 degrees of freedom";
+  EXPECT_EQ(wears.mse.half(), 0);
+  EXPECT_NEAR(wears.pve_about_rest_mm.mean, 0.3, 1e-12);
 }
 
 TEST(Evaluate, EyesThatTheModelTellsAreItsOwnAndNotTheBaselines) {

@@ -53,8 +53,8 @@ TEST(PerformRecorded, KeepsWhatGoesTogetherAndHowFast) {
     double jaw_jaw = 0, lip_lip = 0, jaw_lip = 0, fastest = 0, largest = 0;
     for (std::size_t i = 0; i < motion.frames.size(); ++i) {
       const auto& weights = motion.frames[i].weights;
-      const double lip =
-          weights[shape("mouthLowerDown_L")] + weights[shape("mouthLowerDown_R")];  // Whichever the mirror has.
+      const double lip = weights[shape("mouthLowerDown_L")] +
+                         weights[shape("mouthLowerDown_R")];  // Whichever the mirror has.
       jaw_jaw += weights[jaw] * weights[jaw];
       lip_lip += lip * lip;
       jaw_lip += weights[jaw] * lip;

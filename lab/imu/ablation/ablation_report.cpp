@@ -29,14 +29,14 @@ std::string title_of(TestSet set) {
 }
 
 /// Without an interval where one figure is all there is.
-std::string percent(const std::optional<Interval>& change) {
+std::string percent(const std::optional<measure::Interval>& change) {
   if (!change) return "–";
   if (!(change->half() > 0)) return fmt::format("{:+.1f} %", 100 * change->mean);
   return fmt::format("{:+.1f} ± {:.1f} %", 100 * change->mean, 100 * change->half());
 }
 
-std::string with_interval(const SeedFigures& figures) {
-  const Interval of = mean_interval(figures);
+std::string with_interval(const measure::SeedFigures& figures) {
+  const measure::Interval of = measure::mean_interval(figures);
   if (!(of.half() > 0)) return fmt::format("{:.3f}", of.mean);
   return fmt::format("{:.3f} ± {:.3f}", of.mean, of.half());
 }
@@ -74,7 +74,7 @@ measure::BarPlot changes_plot(const AblationStudy& study) {
     for (const AblationResult& row : *rows) {
       const SeedErrors& errors = row.on(TestSet::device);
       if (errors.empty()) continue;
-      const Interval of = mean_interval(errors.pve_mm);
+      const measure::Interval of = measure::mean_interval(errors.pve_mm);
       plot.groups.push_back({row.row.title, {of.mean}, {of.half()}});
     }
   return plot;
@@ -93,12 +93,14 @@ measure::Table ablation_table(const AblationStudy& study, TestSet set) {
         group = row.row.group;
         table.rows.push_back({group_title(group)});
       }
-      const auto figures = [&](SeedFigures SeedErrors::*measure) { return figures_of(row, set, measure); };
+      const auto figures = [&](measure::SeedFigures SeedErrors::*measure) {
+        return figures_of(row, set, measure);
+      };
       table.rows.push_back({row.row.title, with_interval(figures(&SeedErrors::pve_mm)),
                             percent(change_of(study, row, set)), with_interval(figures(&SeedErrors::lmk_mm)),
-                            fmt::format("{:.4f}", mean_interval(errors.mse).mean),
+                            fmt::format("{:.4f}", measure::mean_interval(errors.mse).mean),
                             percent(change_of(study, row, set, &SeedErrors::mse)),
-                            fmt::format("{:.2f}", mean_interval(errors.jitter).mean)});
+                            fmt::format("{:.2f}", measure::mean_interval(errors.jitter).mean)});
       if (&row == study.rows.data()) table.strong_rows.push_back(table.rows.size() - 1);
     }
   return table;
@@ -115,7 +117,7 @@ measure::Table beside_the_paper(const AblationStudy& study) {
     const auto share = [](double value) { return fmt::format("{:+.0f} %", 100 * value); };
     table.rows.push_back({row->row.title, "CAPUS", share(paper.pve), share(paper.lmk), share(paper.mse)});
     for (const TestSet set : {TestSet::device, TestSet::lab}) {
-      const auto change = [&](SeedFigures SeedErrors::*measure) {
+      const auto change = [&](measure::SeedFigures SeedErrors::*measure) {
         return percent(change_of(study, *row, set, measure));
       };
       table.rows.push_back({"", set == TestSet::device ? "here, device" : "here, lab",
@@ -148,16 +150,16 @@ std::string ablation_legend(const AblationStudy& study, const std::string& takes
 
 }  // namespace
 
-std::optional<Interval> change_of(const AblationStudy& study, const AblationResult& row, TestSet set,
-                                  SeedFigures SeedErrors::*measure) {
+std::optional<measure::Interval> change_of(const AblationStudy& study, const AblationResult& row, TestSet set,
+                                           measure::SeedFigures SeedErrors::*measure) {
   // Of those who are trained on, rows with fewer people have others.
   const bool others = set == TestSet::seen && row.row.one_in > 1;
   if (&row == study.rows.data() || row.row.group == kShippedGroup || others) return std::nullopt;
-  const SeedFigures figures = figures_of(row, set, measure),
-                    base = figures_of(study.rows.front(), set, measure);
+  const measure::SeedFigures figures = figures_of(row, set, measure),
+                             base = figures_of(study.rows.front(), set, measure);
   if (figures.size() != base.size() || base.empty() || figures.front().size() != base.front().size())
     return std::nullopt;
-  return change_interval(figures, base);
+  return measure::change_interval(figures, base);
 }
 
 measure::Report ablation_report(const AblationStudy& study, const std::string& takes,
@@ -167,7 +169,7 @@ measure::Report ablation_report(const AblationStudy& study, const std::string& t
   const auto key = [&](const char* name, const char* title) {
     const AblationResult* row = find_row(study, name);
     if (row == nullptr) return;
-    const std::optional<Interval> change = change_of(study, *row, TestSet::device);
+    const std::optional<measure::Interval> change = change_of(study, *row, TestSet::device);
     if (change)
       keys.push_back({title, fmt::format("{:+.0f} %", 100 * change->mean),
                       change->half() > 0 ? fmt::format("{:+.0f} to {:+.0f} % vertex error", 100 * change->low,

@@ -455,8 +455,9 @@ std::string_view ablation_test_name(TestSet set) {
   return kNames[static_cast<std::size_t>(set)];
 }
 
-SeedFigures figures_of(const AblationResult& row, TestSet set, SeedFigures SeedErrors::*measure) {
-  SeedFigures figures = row.on(set).*measure;
+measure::SeedFigures figures_of(const AblationResult& row, TestSet set,
+                                measure::SeedFigures SeedErrors::*measure) {
+  measure::SeedFigures figures = row.on(set).*measure;
   if (set == TestSet::recorded)
     for (std::vector<double>& seed : figures)
       seed = {std::accumulate(seed.begin(), seed.end(), 0.0) / static_cast<double>(seed.size())};

@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "lab/imu/short_training.h"
-#include "lab/interval.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/face/face.h"
 #include "mien/face/motion.h"
+#include "mien/measure/interval.h"
 #include "mien/measure/report.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
@@ -128,8 +128,8 @@ struct AblationStudy {
 
 /// One figure of a row, as intervals are of it. Recorded performances are few and nobody drew them: their
 /// mean stands for one person, so that an interval is over seeds alone.
-[[nodiscard]] SeedFigures figures_of(const AblationResult& row, TestSet set,
-                                     SeedFigures SeedErrors::*measure);
+[[nodiscard]] measure::SeedFigures figures_of(const AblationResult& row, TestSet set,
+                                              measure::SeedFigures SeedErrors::*measure);
 
 /// Trains every row with every seed, tries it on all test sets, and puts the bound beside it. The same
 /// request gives the same study. Errors: the rig's, chosen_rows's, the data's and the trainer's; cancelled.
@@ -138,9 +138,9 @@ struct AblationStudy {
 
 /// How much more a row is off than the base on one test set, as a share of the base's figure, with 95 %
 /// confidence; nothing for the base itself, for a model of one training, and where it was not tried.
-[[nodiscard]] std::optional<Interval> change_of(const AblationStudy& study, const AblationResult& row,
-                                                TestSet set,
-                                                SeedFigures SeedErrors::*measure = &SeedErrors::pve_mm);
+[[nodiscard]] std::optional<measure::Interval> change_of(
+    const AblationStudy& study, const AblationResult& row, TestSet set,
+    measure::SeedFigures SeedErrors::*measure = &SeedErrors::pve_mm);
 
 /// The whole study as people read it. `takes`: whose the rows of takes learnt from; empty: nobody's.
 [[nodiscard]] measure::Report ablation_report(const AblationStudy& study, const std::string& takes,

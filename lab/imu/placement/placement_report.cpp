@@ -16,9 +16,9 @@ std::string told_percent(double share) {
   return fmt::format("{:.1f} %", 100 * share);
 }
 
-std::string interval_text(const SeedFigures& figures, int decimals) {
+std::string interval_text(const measure::SeedFigures& figures, int decimals) {
   if (figures.empty()) return "-";
-  const Interval value = mean_interval(figures);
+  const measure::Interval value = measure::mean_interval(figures);
   return fmt::format("{:.{}f} ± {:.{}f}", value.mean, decimals, 0.5 * (value.high - value.low), decimals);
 }
 

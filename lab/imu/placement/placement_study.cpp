@@ -50,7 +50,7 @@ Result<void> try_people(const model::ModelFile& model, const PlacementTests& tes
   return {};
 }
 
-std::string percent_of(const Interval& change) {
+std::string percent_of(const measure::Interval& change) {
   return fmt::format("{:+.1f} % ({:+.1f} to {:+.1f})", 100 * change.mean, 100 * change.low,
                      100 * change.high);
 }
@@ -292,10 +292,10 @@ std::string PlacementContest::verdict() const {
 PlacementContest contest(const TrainedPlacement& ours, const TrainedPlacement& paper) {
   return {.ours = ours.title,
           .paper = paper.title,
-          .device = change_interval(ours.device.pve_mm, paper.device.pve_mm),
-          .lab = change_interval(ours.lab.pve_mm, paper.lab.pve_mm),
-          .device_mse = change_interval(ours.device.mse, paper.device.mse),
-          .lab_mse = change_interval(ours.lab.mse, paper.lab.mse)};
+          .device = measure::change_interval(ours.device.pve_mm, paper.device.pve_mm),
+          .lab = measure::change_interval(ours.lab.pve_mm, paper.lab.pve_mm),
+          .device_mse = measure::change_interval(ours.device.mse, paper.device.mse),
+          .lab_mse = measure::change_interval(ours.lab.mse, paper.lab.mse)};
 }
 
 std::vector<SensorCandidate> PlacementStudy::chosen_candidates() const {

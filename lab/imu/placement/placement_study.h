@@ -13,11 +13,11 @@
 #include "lab/imu/placement/placement_bound.h"
 #include "lab/imu/sensor_bound.h"
 #include "lab/imu/short_training.h"
-#include "lab/interval.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/core/rotation.h"
 #include "mien/face/face.h"
+#include "mien/measure/interval.h"
 #include "mien/measure/report.h"
 #include "mien/render/image.h"
 #include "mien/sensor/rig.h"
@@ -70,9 +70,9 @@ struct TrainedPlacement {
 
 /// Two sets of as many sensors: which is better, by the vertex error in *device*.
 struct PlacementContest {
-  std::string ours, paper;  ///< Titles.
-  Interval device, lab;     ///< Change of the vertex error from the paper's to ours, as a share.
-  Interval device_mse, lab_mse;
+  std::string ours, paper;        ///< Titles.
+  measure::Interval device, lab;  ///< Change of the vertex error from the paper's to ours, as a share.
+  measure::Interval device_mse, lab_mse;
   /// A sentence that names the better one with its interval, or says that neither is.
   [[nodiscard]] std::string verdict() const;
 };

@@ -201,7 +201,8 @@ TEST(TrainPlacements, GivesEachSetItsOwnDataOfTheSamePeople) {
 
   ASSERT_EQ(trained->size(), 2U);
   for (const TrainedPlacement& row : *trained)
-    for (const SeedFigures* figures : {&row.device.pve_mm, &row.device.mse, &row.lab.pve_mm, &row.lab.mse}) {
+    for (const measure::SeedFigures* figures :
+         {&row.device.pve_mm, &row.device.mse, &row.lab.pve_mm, &row.lab.mse}) {
       ASSERT_EQ(figures->size(), 2U);
       for (const std::vector<double>& seed : *figures) EXPECT_EQ(seed.size(), 2U);
     }

@@ -1,11 +1,11 @@
-#include "lab/interval.h"
+#include "mien/measure/interval.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
 
-namespace mien::lab {
+namespace mien::measure {
 namespace {
 
 double mean_of(std::span<const double> values) {
@@ -90,4 +90,4 @@ Interval change_interval(const SeedFigures& figures, const SeedFigures& base) {
   return {ratio - 1, ratio - 1 + of.low, ratio - 1 + of.high};
 }
 
-}  // namespace mien::lab
+}  // namespace mien::measure

@@ -1,4 +1,4 @@
-#include "lab/interval.h"
+#include "mien/measure/interval.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien::lab::interval_test {
+namespace mien::measure::interval_test {
 namespace {
 
 TEST(StudentsT, IsAsTablesHaveIt) {
@@ -112,4 +112,4 @@ TEST(Changes, HoldTheChangeAsOftenAsTheySay) {
 }
 
 }  // namespace
-}  // namespace mien::lab::interval_test
+}  // namespace mien::measure::interval_test

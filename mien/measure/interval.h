@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace mien::lab {
+namespace mien::measure {
 
 /// A mean, and where it lies with 95 % confidence.
 struct Interval {
@@ -34,4 +34,4 @@ using SeedFigures = std::vector<std::vector<double>>;
 /// Two-sided 95 % quantile of Student's t at these degrees of freedom, 1 or more.
 [[nodiscard]] double student_95(double degrees);
 
-}  // namespace mien::lab
+}  // namespace mien::measure
