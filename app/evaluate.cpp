@@ -338,7 +338,7 @@ void add_evaluate_command(Commands& commands) {
           "Also perform the takes' truth anew so many times, the sensors put on otherwise each time, and "
           "print the errors' mean and 95 % interval over these wears; of performed takes. More: narrower "
           "intervals, longer work")
-      .in_range(2, 100)
+      .in_range(3, 100)
       .excludes(command.option("--truth"));
   command.add_option("--face", options->face,
                      "Face to measure on (default: the take's own where it is found, else builtin)");

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <span>
 #include <utility>
 
@@ -28,7 +27,6 @@
 #include "mien/model/model_file.h"
 #include "mien/render/lettering.h"
 #include "mien/sensor/rig.h"
-#include "mien/session/replay.h"
 #include "mien/solve/solve.h"
 #include "mien/virtual/perform_take.h"
 
@@ -134,18 +132,11 @@ Result<void> run_demo(DemoOptions options) {
 
   // The take that was recorded gives the session's frames again, to the bit.
   MIEN_TRY_ASSIGN(const take::Take live_take, take::Take::open(live_path));
-  MIEN_TRY_ASSIGN(const std::unique_ptr<session::Session> session,
-                  modalities::make_session(live_take.rig(), model_path));
-  solve::Solution solution;
-  const Progress replaying = terminal_progress("3/5 replaying the take");
-  MIEN_TRY(session::replay(live_take, *session, [&](const take::Tick&, const face::OutputFrame& frame) {
-    solution.frames.push_back(frame);
-    const auto done = static_cast<double>(solution.frames.size());
-    return replaying(std::min(0.999, done / static_cast<double>(captured.summary.frames)),
-                     "to the same bits");
-  }));
-  replaying(1, "to the same bits");
-  const bool same_bits = session->hash() == captured.summary.hash;
+  modalities::LiveModel live_model(model_path);
+  live_model.imu = model;
+  MIEN_TRY_ASSIGN(const solve::Solution solution,
+                  solve::replay_take(live_take, live_model, terminal_progress("3/5 replaying the take")));
+  const bool same_bits = solution.hash == captured.summary.hash;
 
   MIEN_TRY_ASSIGN(const take::Take truth_take, take::Take::open(request.take));
   MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, solve::own_truth(truth_take));

@@ -138,7 +138,9 @@ void Broadcast::refused(const Line& line) {
   const std::string receiver = receiver_of(line);
   if (!told_.insert(receiver).second || (options_.title.empty() && options_.start == nullptr)) return;
   clear_progress();
-  fmt::print(stderr, "mien: {}: nobody listens there; performing all the same ({})\n", receiver,
+  const bool left = !line.is_phone && answered() > 0;
+  fmt::print(stderr, "mien: {}: {}; performing all the same ({})\n", receiver,
+             left ? "the receiver listens no more" : "nobody listens there",
              line.is_phone ? "a session hears phones with mien live --listen livelink://0.0.0.0 --phone truth"
                            : "the calibration comes once, at the beginning: start mien live first");
 }
@@ -173,6 +175,8 @@ void Broadcast::sleep_until(HostTime time) {
   timer_.async_wait([](const Code&) {});
   io_.restart();
   io_.run_one();
+  // Where a datagram ended the wait: else the next wait would end at once, by this one being cancelled.
+  timer_.cancel();
   io_.poll();
 }
 

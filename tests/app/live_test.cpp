@@ -191,7 +191,7 @@ TEST_F(LiveProgram, ATakeReplaysToTheBitsOfTheSessionThatRecordedIt) {
   // The CSV is one that any importer takes.
   const Outcome imported = run({"import", folder / "live.csv", "--take", folder / "again.mien"});
   EXPECT_EQ(imported.status, 0) << imported.err;
-  const Outcome worn = run({"evaluate", folder / "again.mien", "--wears", "2"});
+  const Outcome worn = run({"evaluate", folder / "again.mien", "--wears", "3"});
   EXPECT_EQ(worn.status, 2);
   EXPECT_NE(worn.err.find("only performed takes can be worn again"), std::string::npos) << worn.err;
 }
