@@ -182,7 +182,7 @@ Result<measure::Wears> measure_wears(int wears, const std::vector<take::Take>& t
                                      const OpenModel::Shaping& shaping, const measure::Meter& meter) {
   MIEN_TRY_ASSIGN(const PrivateFolder folder, PrivateFolder::make());
   const Progress shown = terminal_progress("wears");
-  std::vector<measure::Evaluation> worn;
+  std::vector<measure::Evaluation> evaluations;
   for (int wear = 1; wear <= wears; ++wear) {
     std::vector<measure::TakeEstimates> estimates;
     const Progress part = solve::part_of_work(shown, (wear - 1.0) / wears, 1.0 * wear / wears);
@@ -194,9 +194,9 @@ Result<measure::Wears> measure_wears(int wears, const std::vector<take::Take>& t
       MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, solve::own_truth(anew));
       estimates.push_back(solve::with_truth(take.path().string(), solutions.front(), truth));
     }
-    MIEN_TRY_ASSIGN(worn.emplace_back(), measure::evaluate(meter, estimates, model.mean_pose()));
+    MIEN_TRY_ASSIGN(evaluations.emplace_back(), measure::evaluate(meter, estimates, model.mean_pose()));
   }
-  return measure::over_wears(worn);
+  return measure::over_wears(evaluations);
 }
 
 Result<void> run_evaluate(EvaluateOptions options) {

@@ -57,7 +57,6 @@ Result<void> check_wears_again(const take::Take& take) {
 
 Result<take::Take> wear_again(const take::Take& take, std::uint64_t seed, const std::filesystem::path& folder,
                               const Progress& progress) {
-  MIEN_TRY(check_wears_again(take));
   const take::Header& header = take.header();
   virt::PerformRequest request;
   MIEN_TRY_ASSIGN(request.motion, evaluated_motion(take));

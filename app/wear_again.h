@@ -15,7 +15,8 @@ namespace mien::app {
 
 /// Performs the evaluated part of a performed take anew, as a take in `folder`, which must be there: the same
 /// face, rig, profile and prologue, but another wear of the sensors, drawn from `seed` (placement, faults,
-/// and the head's motion, which truth does not hold). Errors: check_wears_again's, virt::perform_take's.
+/// and the head's motion, which truth does not hold). A take that check_wears_again() let pass. Errors: the
+/// take's, virt::perform_take's.
 [[nodiscard]] Result<take::Take> wear_again(const take::Take& take, std::uint64_t seed,
                                             const std::filesystem::path& folder, const Progress& progress);
 

@@ -150,14 +150,14 @@ face::BlendshapeWeights rest_of(const Track& track,
   return rest;
 }
 
-/// The estimate as it is with the truth's rest.
-Track resting_as(const Track& estimate, const Track& truth, std::span<const take::TruthFrame> frames) {
-  const auto runs = evaluated_runs(frames);
-  const face::BlendshapeWeights own = rest_of(estimate, runs), right = rest_of(truth, runs);
+/// The estimate of a take as it is with the truth's rest.
+Track resting_as(const face::BlendshapeWeights& truths_rest, const Track& estimate,
+                 std::span<const take::TruthFrame> frames) {
+  const face::BlendshapeWeights own = rest_of(estimate, evaluated_runs(frames));
   Track out = estimate;
   for (face::BlendshapeWeights& weights : out)
     for (std::size_t k = 0; k < face::kShapeCount; ++k)
-      weights[k] = std::clamp(weights[k], 0.0F, 1.0F) - own[k] + right[k];
+      weights[k] = std::clamp(weights[k], 0.0F, 1.0F) - own[k] + truths_rest[k];
   return out;
 }
 
@@ -177,14 +177,14 @@ Ablation measure_ablation(const Meter& meter, const std::vector<TakeEstimates>& 
   return out;
 }
 
-Wears over_wears(std::span<const Evaluation> worn) {
+Wears over_wears(std::span<const Evaluation> evaluations) {
   const auto interval = [&](auto&& figure) {
     SeedFigures figures(1);
-    for (const Evaluation& one : worn) figures.front().push_back(figure(one.model));
+    for (const Evaluation& one : evaluations) figures.front().push_back(figure(one.model));
     return mean_interval(figures);
   };
   const auto rest = [](const Metrics& of) { return of.about_rest.value_or(MotionErrors{}); };
-  return {.count = worn.size(),
+  return {.count = evaluations.size(),
           .pve_mm = interval([](const Metrics& of) { return of.pve_mm.mean; }),
           .mse = interval([](const Metrics& of) { return of.mse; }),
           .pve_about_rest_mm = interval([&](const Metrics& of) { return rest(of).pve_mm; }),
@@ -196,8 +196,10 @@ Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>
   std::vector<Track> truths;
   std::vector<Track> held;
   std::vector<Track> means;
+  std::vector<face::BlendshapeWeights> rests;  // Of the truths.
   for (const TakeEstimates& t : takes) {
     truths.push_back(truth_of(t.truth));
+    rests.push_back(rest_of(truths.back(), evaluated_runs(t.truth)));
     held.push_back(hold_last(t.truth));
     means.emplace_back(t.truth.size(), mean_pose);
   }
@@ -212,7 +214,7 @@ Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>
     metrics.eyes_and_lips = meter.eyes_and_lips().measure(stretches);
     std::vector<Track> moved;
     for (std::size_t t = 0; t < takes.size(); ++t)
-      moved.push_back(resting_as(track_of(t), truths[t], takes[t].truth));
+      moved.push_back(resting_as(rests[t], track_of(t), takes[t].truth));
     const Metrics motion = meter.measure(stretches_of(
         takes, truths, Gaze::as_weights_say, [&](std::size_t t) -> const Track& { return moved[t]; }));
     metrics.about_rest = MotionErrors{.mse = motion.mse, .pve_mm = motion.pve_mm.mean};

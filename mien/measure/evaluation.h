@@ -99,8 +99,8 @@ struct Evaluation {
                                         std::string without,
                                         std::span<const std::vector<face::BlendshapeWeights>> weights);
 
-/// Sums up what evaluate() measured of the same takes, worn anew each time. At least two.
-[[nodiscard]] Wears over_wears(std::span<const Evaluation> worn);
+/// Sums up what evaluate() measured of the same takes, one evaluation a wear of the sensors. At least two.
+[[nodiscard]] Wears over_wears(std::span<const Evaluation> evaluations);
 
 /// Measures over the evaluated frames with a face, of all takes as one. `mean_pose` is the training set's.
 /// Errors: not_found when no frame is left to measure.

@@ -191,9 +191,9 @@ TEST_F(LiveProgram, ATakeReplaysToTheBitsOfTheSessionThatRecordedIt) {
   // The CSV is one that any importer takes.
   const Outcome imported = run({"import", folder / "live.csv", "--take", folder / "again.mien"});
   EXPECT_EQ(imported.status, 0) << imported.err;
-  const Outcome worn = run({"evaluate", folder / "again.mien", "--wears", "3"});
-  EXPECT_EQ(worn.status, 2);
-  EXPECT_NE(worn.err.find("only performed takes can be worn again"), std::string::npos) << worn.err;
+  const Outcome again = run({"evaluate", folder / "again.mien", "--wears", "3"});
+  EXPECT_EQ(again.status, 2);
+  EXPECT_NE(again.err.find("only performed takes can be worn again"), std::string::npos) << again.err;
 }
 
 /// The column of a CSV with a header.

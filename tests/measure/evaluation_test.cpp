@@ -67,13 +67,13 @@ TEST(Evaluate, MotionIsMeasuredAboutEachShapesOwnRest) {
 }
 
 TEST(OverWears, GivesTheMeanAndItsInterval) {
-  std::vector<Evaluation> worn(5);
-  for (std::size_t i = 0; i < worn.size(); ++i) {
-    worn[i].model.pve_mm.mean = 0.5 + 0.01 * static_cast<double>(i);
-    worn[i].model.mse = 0.01;
-    worn[i].model.about_rest = MotionErrors{.mse = 0.004, .pve_mm = 0.3};
+  std::vector<Evaluation> evaluations(5);
+  for (std::size_t i = 0; i < evaluations.size(); ++i) {
+    evaluations[i].model.pve_mm.mean = 0.5 + 0.01 * static_cast<double>(i);
+    evaluations[i].model.mse = 0.01;
+    evaluations[i].model.about_rest = MotionErrors{.mse = 0.004, .pve_mm = 0.3};
   }
-  const Wears wears = over_wears(worn);
+  const Wears wears = over_wears(evaluations);
   EXPECT_EQ(wears.count, 5U);
   EXPECT_NEAR(wears.pve_mm.mean, 0.52, 1e-12);
   EXPECT_NEAR(wears.pve_mm.half(), 2.7764 * std::sqrt(0.00025 / 5), 1e-6)

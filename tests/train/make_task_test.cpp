@@ -67,15 +67,15 @@ TEST_F(MakeTask, OnlyWearersOfImusPerformRecordings) {
 }
 
 TEST_F(MakeTask, WithoutTheFolderOfRecordingsAllIsDrawnAndItSaysSo) {
-  std::string said;
+  std::string output;
   TaskSource without = source("default");
-  without.tell = [&said](const std::string& line) { said += line; };
+  without.tell = [&output](const std::string& line) { output += line; };
   const std::string recipe =
       toy_causal_recipe(1,
                         "[data]\nperformers = 1\nvalidation_performers = 1\nseconds = 2\ndevice_seconds = 0\n"
                         "recorded_share = 0.5\nrecorded = [\"a.csv\"]\n");
   EXPECT_TRUE(make_task(*parse_recipe(recipe, "r.toml"), without, no_progress));
-  EXPECT_NE(said.find("--recorded"), std::string::npos) << said;
+  EXPECT_NE(output.find("--recorded"), std::string::npos) << output;
 }
 
 TEST_F(MakeTask, SplitsAreOfTakes) {
