@@ -34,6 +34,7 @@ struct EvaluateOptions {
   ShapingOption shaping;
   PhoneOption phone;  // Not given: the takes' own truth.
   bool ablate = false;
+  bool blink = false;
   double every_min = 0;
   int wears = 0;
   std::string face;
@@ -81,10 +82,12 @@ struct Ablated {
   shaping::ShaperSettings settings;
 };
 
-/// `settings` with one more step left out each, in the order of the chain; last with none of them.
+/// `settings` with one more step left out each, in the order of the chain; last with none of them. Blinks are
+/// in none.
 std::vector<Ablated> ablations(const shaping::ShaperSettings& settings) {
   std::vector<Ablated> out;
   for (std::size_t step = 0; step < shaping::kChainStepCount; ++step) {
+    if (step == static_cast<std::size_t>(shaping::ChainStep::blinks)) continue;
     out.push_back({std::string(shaping::kChainStepNames[step]), settings});
     out.back().settings.off.set(step);
   }
@@ -93,15 +96,12 @@ std::vector<Ablated> ablations(const shaping::ShaperSettings& settings) {
   return out;
 }
 
-/// What is to be measured of a take, then the same with each step of shaping left out.
-/// `name`: for people.
-Result<std::vector<solve::Solution>> solve(const OpenModel& model, const take::Take& take,
-                                           const std::string& name, const OpenModel::Shaping& shaping,
-                                           const std::vector<Ablated>& ablated) {
-  std::vector<OpenModel::Shaping> all = {shaping};
-  if (!ablated.empty()) all.front() = shaping.value_or(shaping::ShaperSettings{});
-  for (const Ablated& without : ablated) all.emplace_back(without.settings);
-  return model.solve_by_each(take, name, all);
+/// How an answer that is measured is shaped: without made blinks, which are no answer to sensors. A window
+/// model's own answer stays as it is where nothing is asked for.
+OpenModel::Shaping measured_shaping(OpenModel::Shaping asked, const OpenModel& model, bool ablate) {
+  if (!asked && (ablate || model.steps() == 0)) asked.emplace();
+  if (asked) asked->blinks_per_min = 0;
+  return asked;
 }
 
 /// The face that `name` asks for; where it asks for none, the one on which all the takes were performed, or
@@ -190,7 +190,7 @@ Result<measure::Wears> measure_wears(int wears, const std::vector<take::Take>& t
       const std::uint64_t seed = take.header().seed + static_cast<std::uint64_t>(wear);
       MIEN_TRY_ASSIGN(const take::Take anew, wear_again(take, seed, folder.path(), part));
       MIEN_TRY_ASSIGN(const std::vector<solve::Solution> solutions,
-                      solve(model, anew, fmt::format("wear {}", wear), shaping, {}));
+                      model.solve_by_each(anew, fmt::format("wear {}", wear), {&shaping, 1}));
       MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, solve::own_truth(anew));
       estimates.push_back(solve::with_truth(take.path().string(), solutions.front(), truth));
     }
@@ -223,34 +223,41 @@ Result<void> run_evaluate(EvaluateOptions options) {
     if (modalities::has_window_models(take.rig()) != modalities::has_window_models(takes.front().rig()))
       return fail(ErrorCode::bad_usage, "the takes are of sensors that no one model knows",
                   take.path().string(), "evaluate them apart");
-  MIEN_TRY_ASSIGN(const OpenModel::Shaping shaping, options.shaping.read());
+  MIEN_TRY_ASSIGN(const OpenModel::Shaping asked, options.shaping.read());
   // Of a session's take the prompts may lie among what a phone's truth is known of.
   options.model.adapt = !options.no_adapt && !options.phone.given();
   MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(takes.front().rig()));
+  if (options.blink && model.steps() > 0 && !asked)
+    return fail(ErrorCode::bad_usage, "a window model's answer is shown as it is, without blinks", "--blink",
+                "leave it away, or shape the answer with --shaping");
+  const OpenModel::Shaping shaping = measured_shaping(asked, model, options.ablate);
   std::string face_name = options.face;
   MIEN_TRY_ASSIGN(const face::Face face, face_to_measure_on(performed_on, face_name));
   std::vector<measure::TakeEstimates> estimates;
-  const std::vector<Ablated> ablated =
-      options.ablate ? ablations(shaping.value_or(shaping::ShaperSettings{})) : std::vector<Ablated>{};
-  std::vector<std::vector<Track>> without(ablated.size());  // Of each, takes.
+  const std::vector<Ablated> ablated = options.ablate ? ablations(*shaping) : std::vector<Ablated>{};
+  std::vector<OpenModel::Shaping> all = {shaping};
+  for (const Ablated& one : ablated) all.emplace_back(one.settings);
+  if (options.blink) all.emplace_back(asked.value_or(shaping::ShaperSettings{}));
+  std::vector<std::vector<Track>> others(all.size() - 1);  // Of each but the first, takes.
   std::size_t adapted = 0;
   double adapt_s = 0;
   std::map<std::string, std::vector<std::string>> unlearnt;  // Takes by why.
   for (std::size_t t = 0; t < takes.size(); ++t) {
     MIEN_TRY_ASSIGN(const std::vector<solve::Solution> solutions,
-                    solve(model, takes[t], takes[t].path().string(), shaping, ablated));
+                    model.solve_by_each(takes[t], takes[t].path().string(), all));
     const solve::Solution& solution = solutions.front();
     if (solution.personalised && solution.personalised->taken) ++adapted;
     adapt_s += solution.personalise_s;
     if (!solution.unlearnt.empty()) unlearnt[solution.unlearnt].push_back(takes[t].path().string());
     estimates.push_back(solve::with_truth(takes[t].path().string(), solution, truths[t]));
-    for (std::size_t i = 0; i < ablated.size(); ++i) without[i].push_back(weights_of(solutions[i + 1]));
+    for (std::size_t i = 0; i < others.size(); ++i) others[i].push_back(weights_of(solutions[i + 1]));
   }
   const measure::Meter meter(face);
   MIEN_TRY_ASSIGN(measure::Evaluation evaluation, measure::evaluate(meter, estimates, model.mean_pose()));
   for (std::size_t i = 0; i < ablated.size(); ++i)
     evaluation.ablations.push_back(
-        measure::measure_ablation(meter, estimates, ablated[i].without, without[i]));
+        measure::measure_ablation(meter, estimates, ablated[i].without, others[i]));
+  if (options.blink) evaluation.blinking = measure::measure_shaped(meter, estimates, others.back());
   if (options.every_min > 0)
     for (const measure::TakeEstimates& take : estimates)
       evaluation.pieces.push_back(
@@ -290,6 +297,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
   fmt::print("{:<13} {:>7} {:>7} {:>7} {:>8} {:>9} {:>7} {:>8}\n", "", "PVE mm", "face mm", "LMK mm", "MSE",
              "MSE of 42", "jitter", "blink F1");
   print_row("model", evaluation.model);
+  if (evaluation.blinking) print_row("with blinks", *evaluation.blinking);
   if (evaluation.ridge) print_row("ridge", *evaluation.ridge);
   print_row("hold last", evaluation.hold_last);
   print_row("mean pose", evaluation.mean_pose);
@@ -327,6 +335,10 @@ void add_evaluate_command(Commands& commands) {
   command.add_flag("--ablate", options->ablate,
                    "Measure once more with each step of shaping left out: one row a step. Shapes by the "
                    "defaults where no --shaping says otherwise");
+  command.add_flag(
+      "--blink", options->blink,
+      "Measure once more with the blinks that a session makes for lids which no sensor observes; "
+      "without it they are left out");
   command
       .add_option(
           "--every", options->every_min,

@@ -137,17 +137,22 @@ Result<void> run_demo(DemoOptions options) {
   MIEN_TRY_ASSIGN(const solve::Solution solution,
                   solve::replay_take(live_take, live_model, terminal_progress("3/5 replaying the take")));
   const bool same_bits = solution.hash == captured.summary.hash;
+  // What is measured is the tracker's answer, without the blinks that the session makes.
+  MIEN_TRY_ASSIGN(const solve::Solution unblinking,
+                  solve::replay_take(live_take, live_model, no_progress, {.blinks_per_min = 0}));
 
   MIEN_TRY_ASSIGN(const take::Take truth_take, take::Take::open(request.take));
   MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, solve::own_truth(truth_take));
-  const measure::TakeEstimates estimates = solve::with_truth(request.take, solution, truth);
+  const measure::TakeEstimates estimates = solve::with_truth(request.take, unblinking, truth);
   MIEN_TRY_ASSIGN(const face::Face face, chosen_face(request.face));
   face::BlendshapeWeights mean_pose;
   std::ranges::copy(model.mean_pose, mean_pose.values.begin());
   const Progress writing = terminal_progress("4/5 measuring and writing");
   writing(0.1, "the capture beside the truth");
-  MIEN_TRY_ASSIGN(const measure::Evaluation evaluation,
-                  measure::evaluate(measure::Meter(face), {estimates}, mean_pose));
+  const measure::Meter meter(face);
+  MIEN_TRY_ASSIGN(measure::Evaluation evaluation, measure::evaluate(meter, {estimates}, mean_pose));
+  evaluation.blinking =
+      measure::measure_shaped(meter, {estimates}, {{solve::with_truth(request.take, solution, truth).model}});
 
   const Pair motions = motions_of(estimates, solution.frames);
   MIEN_TRY(write_motion(motions.capture, request.face, options.out / "capture.csv"));

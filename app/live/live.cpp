@@ -107,9 +107,9 @@ void add_live_command(Commands& commands) {
           .excludes(sinks)
           .excludes(record);
   // A log has its rig and its length, and nobody looks on.
-  for (const char* name : {"--rig", "--constraints", "--audio", "--hears-by", "--no-audio", "--images",
-                           "--phone", "--force", "--takes", "--texts", "--page", "--token", "--token-file",
-                           "--face", "--performer", "--key", "--for", "--log-limit"})
+  for (const char* name : {"--rig", "--constraints", "--blinks", "--audio", "--hears-by", "--no-audio",
+                           "--images", "--phone", "--force", "--takes", "--texts", "--page", "--token",
+                           "--token-file", "--face", "--performer", "--key", "--for", "--log-limit"})
     replay.excludes(command.option(name));
   add_json_flag(command, options->json);
 }

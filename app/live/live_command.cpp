@@ -16,6 +16,7 @@
 #include "mien/core/units.h"
 #include "mien/live/network_interfaces.h"
 #include "mien/live/unheard.h"
+#include "mien/shaping/blinks.h"
 
 namespace mien::app {
 namespace {
@@ -267,6 +268,11 @@ Option add_session_options(Command command, LiveRequest& request) {
       "--constraints", request.constraints,
       "Rules between shapes that what is shown obeys: a file as rigs/constraints/ict.toml, or off "
       "for none (default: that file's rule that always holds, mouthClose at most jawOpen)");
+  command
+      .add_option("--blinks", request.blinks_per_min,
+                  "Blinks a minute of lids that no sensor observes; 0: none. More: eyes close more often")
+      .in_range(0.0, shaping::Blinks::kRateAtMost)
+      .show_default();
   command
       .add_option("--audio", request.audio,
                   "What is heard: a microphone of this machine (default, or a part of its name), a WAV file "

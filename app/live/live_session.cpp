@@ -227,6 +227,9 @@ Result<LiveSession> open_live(LiveRequest request) {
   if (!request.constraints.empty()) {
     MIEN_TRY_ASSIGN(settings.commands.emplace_back(), constraints_command(request.constraints));
   }
+  if (request.blinks_per_min != shaping::ShaperSettings().blinks_per_min)
+    settings.commands.emplace_back(
+        session::Shape{nlohmann::json{{"blinks_per_min", request.blinks_per_min}}.dump()});
   if (!request.record.empty()) MIEN_TRY(check_output(request.record, {".mien"}));
 
   MIEN_TRY_ASSIGN(settings.page, page_settings(request));

@@ -9,6 +9,7 @@
 #include "app/live/page_token.h"
 #include "mien/core/error.h"
 #include "mien/live/engine.h"
+#include "mien/shaping/settings.h"
 
 namespace mien::app {
 
@@ -31,6 +32,7 @@ struct LiveRequest {
   std::string key;              ///< A file; empty: everybody is heard.
   double seconds = 0;           ///< 0: until it is stopped.
   std::string constraints;      ///< A file, or "off"; empty: the default.
+  double blinks_per_min = shaping::ShaperSettings().blinks_per_min;
   std::string audio;      ///< A WAV file, a microphone, "page" or "network" that is heard; empty: nothing is.
   std::string hears_by;   ///< "network" or "phones"; empty: as the rig says.
   std::string phone;      ///< "truth" or "source": what phones are for that the rig has no sensor of.

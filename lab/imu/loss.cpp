@@ -90,7 +90,7 @@ Answer answer(const std::vector<model::FeatureFrame>& features, tracker::CausalT
   out.weights.reserve(features.size());
   out.shown.reserve(features.size());
   face::OutputFrame frame;
-  shaping::Shaper shaper;
+  shaping::Shaper shaper({.blinks_per_min = 0});
   tracker.reset();
   for (const model::FeatureFrame& feature : features) {
     tracker.step(feature, frame);

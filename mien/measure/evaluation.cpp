@@ -163,17 +163,22 @@ Track resting_as(const face::BlendshapeWeights& truths_rest, const Track& estima
 
 }  // namespace
 
-Ablation measure_ablation(const Meter& meter, const std::vector<TakeEstimates>& takes, std::string without,
-                          std::span<const std::vector<face::BlendshapeWeights>> weights) {
+Metrics measure_shaped(const Meter& meter, const std::vector<TakeEstimates>& takes,
+                       std::span<const std::vector<face::BlendshapeWeights>> weights) {
   std::vector<Track> truths;
   for (const TakeEstimates& t : takes) truths.push_back(truth_of(t.truth));
+  return meter.measure(stretches_of(takes, truths, Gaze::as_weights_say,
+                                    [&](std::size_t t) -> const Track& { return weights[t]; }));
+}
+
+Ablation measure_ablation(const Meter& meter, const std::vector<TakeEstimates>& takes, std::string without,
+                          std::span<const std::vector<face::BlendshapeWeights>> weights) {
   Ablation out{.without = std::move(without), .changed = false, .metrics = {}};
   for (std::size_t t = 0; t < takes.size(); ++t)
     out.changed =
         out.changed || !std::ranges::equal(weights[t], takes[t].model, {}, &face::BlendshapeWeights::values,
                                            &face::BlendshapeWeights::values);
-  out.metrics = meter.measure(stretches_of(takes, truths, Gaze::as_weights_say,
-                                           [&](std::size_t t) -> const Track& { return weights[t]; }));
+  out.metrics = measure_shaped(meter, takes, weights);
   return out;
 }
 

@@ -72,6 +72,8 @@ struct Evaluation {
   std::optional<ProvenanceShares> provenance;
   /// Expected calibration error of the regions' confidence; absent where it is known of none.
   std::optional<double> ece;
+  std::optional<Metrics>
+      blinking;  ///< The model with made blinks (shaping::Blinks). Absent unless asked for.
   std::vector<Ablation> ablations;  ///< Empty unless they were asked for.
   std::vector<TakePieces> pieces;   ///< Of each take; empty unless they were asked for.
   std::optional<Wears> wears;       ///< Absent unless they were asked for.
@@ -93,8 +95,12 @@ struct Evaluation {
 /// errors with both values; empty where the model is ahead of all. Errors: PVE, landmarks, MSE, MSE of 42.
 [[nodiscard]] std::vector<std::string> baselines_ahead(const Evaluation& evaluation);
 
-/// The same takes with one step of shaping left out, measured as evaluate() measures the model. `weights`: of
-/// each take, one a tick.
+/// The same takes shaped otherwise, measured as evaluate() measures the model but for eyes and rests.
+/// `weights`: of each take, one a tick.
+[[nodiscard]] Metrics measure_shaped(const Meter& meter, const std::vector<TakeEstimates>& takes,
+                                     std::span<const std::vector<face::BlendshapeWeights>> weights);
+
+/// The same with one step of shaping left out.
 [[nodiscard]] Ablation measure_ablation(const Meter& meter, const std::vector<TakeEstimates>& takes,
                                         std::string without,
                                         std::span<const std::vector<face::BlendshapeWeights>> weights);

@@ -51,6 +51,7 @@ OrderedJson to_json(const Metrics& metrics) {
   out["lmk_mm"] = or_null(metrics.lmk_mm);
   out["jitter_ratio"] = or_null(metrics.jitter_ratio);
   out["blink_f1"] = or_null(metrics.blink_f1);
+  out["shut"] = metrics.shut;
   if (metrics.about_rest) out["about_rest"] = to_json(*metrics.about_rest);
   if (metrics.eyes_and_lips) {
     const EyesAndLips& eyes_and_lips = *metrics.eyes_and_lips;
@@ -127,6 +128,8 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
   out["baselines"]["mean_pose"] = to_json(evaluation.mean_pose);
   out["baselines"]["hold_last"] = to_json(evaluation.hold_last);
   out["baselines"]["ridge"] = evaluation.ridge ? to_json(*evaluation.ridge) : OrderedJson(nullptr);
+  out["truth_shut"] = evaluation.model.truth_shut;
+  if (evaluation.blinking) out["blinking"] = to_json(*evaluation.blinking);
   if (evaluation.wears) out["wears"] = to_json(*evaluation.wears);
   if (!evaluation.ablations.empty()) {
     OrderedJson& ablations = out["ablations"] = OrderedJson::array();

@@ -102,6 +102,7 @@ Table metrics_table(const char* caption) {
 Table beside_baselines(const Evaluation& evaluation) {
   Table table = metrics_table("The model beside its baselines, on the same frames");
   table.rows.push_back(row("model", evaluation.model));
+  if (evaluation.blinking) table.rows.push_back(row("model, with blinks", *evaluation.blinking));
   if (evaluation.ridge) table.rows.push_back(row("ridge, one frame", *evaluation.ridge));
   table.rows.push_back(row("hold last second", evaluation.hold_last));
   table.rows.push_back(row("mean pose", evaluation.mean_pose));
@@ -158,14 +159,23 @@ Table without_steps(const Evaluation& evaluation) {
 Table eyes_and_lips_table(const Evaluation& evaluation) {
   Table table;
   table.caption = "Eyes, lids and lips";
-  table.columns = {"", "gaze median, °", "gaze p90, °", "openness r", "lips closed F1", "ECE"};
+  table.columns = {"",   "gaze median, °", "gaze p90, °", "openness r", "eyes shut, %", "lips closed F1",
+                   "ECE"};
+  const bool shuts = evaluation.model.truth_shut > 0 || evaluation.model.shut > 0;
   const auto add = [&](const char* name, const Metrics& metrics, const std::optional<double>& ece) {
     const EyesAndLips of = metrics.eyes_and_lips.value_or(EyesAndLips{});
     table.rows.push_back({name, of.gaze_deg ? number(of.gaze_deg->median, 1) : kNothing,
                           of.gaze_deg ? number(of.gaze_deg->p90, 1) : kNothing,
-                          number(of.openness_pearson, 2), number(of.lip_gap_f1, 2), number(ece, 3)});
+                          number(of.openness_pearson, 2), shuts ? number(100 * metrics.shut, 1) : kNothing,
+                          number(of.lip_gap_f1, 2), number(ece, 3)});
   };
+  if (shuts) {
+    Metrics truth;
+    truth.shut = evaluation.model.truth_shut;
+    add("truth", truth, {});
+  }
   add("model", evaluation.model, evaluation.ece);
+  if (evaluation.blinking) add("model, with blinks", *evaluation.blinking, {});
   if (evaluation.ridge) add("ridge, one frame", *evaluation.ridge, {});
   add("hold last second", evaluation.hold_last, {});
   add("mean pose", evaluation.mean_pose, {});

@@ -53,9 +53,14 @@ class ThirdDifference {
 };
 
 constexpr float kShut = 0.5F;
+constexpr std::array<std::size_t, 2> kLids = {face::shape("eyeBlink_L"), face::shape("eyeBlink_R")};
 
 using Weights = std::span<const face::BlendshapeWeights>;
 using Frames = std::vector<std::size_t>;
+
+bool is_shut(const face::BlendshapeWeights& weights) {
+  return 0.5F * (weights[kLids[0]] + weights[kLids[1]]) >= kShut;
+}
 
 /// Frames in which the shape's weight crosses kShut upwards.
 Frames blinks(Weights weights, std::size_t shape) {
@@ -130,8 +135,6 @@ std::optional<double> pearson(std::span<const Stretch> stretches, std::size_t sh
   if (!(tt > kStill * count && ee > kStill * count)) return std::nullopt;
   return te / std::sqrt(tt * ee);
 }
-
-constexpr std::array<std::size_t, 2> kLids = {face::shape("eyeBlink_L"), face::shape("eyeBlink_R")};
 
 }  // namespace
 
@@ -305,6 +308,10 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
   if (sums.jitter_frames > 0 && sums.truth_jitter > 0)
     out.jitter_ratio = sums.estimate_jitter / sums.truth_jitter;
   out.blink_f1 = blink_f1(stretches);
+  for (const Stretch& stretch : stretches) {
+    out.truth_shut += static_cast<double>(std::ranges::count_if(stretch.truth, is_shut)) / count;
+    out.shut += static_cast<double>(std::ranges::count_if(stretch.estimate, is_shut)) / count;
+  }
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
     out.per_shape[k].mae /= count;
     out.per_shape[k].pearson = pearson(stretches, k);

@@ -41,6 +41,8 @@ struct Metrics {
   std::optional<MeanStd> lmk_mm;       ///< The 68 landmarks.
   std::optional<double> jitter_ratio;  ///< Third difference of the landmarks over the truth's own.
   std::optional<double> blink_f1;      ///< Absent when neither truth nor estimate has a blink.
+  /// Shares of the frames with the eyes shut: the mean of both eyeBlink weights is 0.5 or more.
+  double shut = 0, truth_shut = 0;
   std::array<ShapeScore, face::kShapeCount> per_shape{};
   /// Absent where they were not asked for: evaluate() does.
   std::optional<MotionErrors> about_rest;

@@ -5,7 +5,7 @@
 
 #include "mien/core/time.h"
 #include "mien/core/units.h"
-#include "mien/performer/blink.h"
+#include "mien/performer/blinks.h"
 #include "mien/performer/canvas.h"
 #include "mien/performer/gaze.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mien/core/time.h"
-#include "mien/performer/blink.h"
+#include "mien/performer/blinks.h"
 #include "mien/performer/canvas.h"
 #include "mien/performer/limits.h"
 
@@ -58,9 +58,9 @@ face::Motion mimic(std::span<const PoseCue> cues, double end_s, const Mimicry& m
   std::vector<Answer> answers;
   for (std::size_t c = 0; c < cues.size(); ++c)
     answers.push_back(answer(cues[c], mimicry, random.fork("cue", c)));
-  const std::vector<Blink> blinks =
+  const std::vector<face::Blink> blinks =
       mimicry.blinks_per_min > 0 ? draw_blinks(end_s, mimicry.blinks_per_min, {}, random.fork("blinks"))
-                                 : std::vector<Blink>();
+                                 : std::vector<face::Blink>();
   const auto frames = static_cast<std::size_t>(std::ceil(end_s * kFrameRateHz)) + 1;
   const std::vector<std::array<float, 2>> lids = lid_tracks(blinks, frames);
   Random unrest = random.fork("tremor");

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "mien/performer/blink.h"
+#include "mien/performer/blinks.h"
 #include "mien/performer/canvas.h"
 #include "mien/performer/eating.h"
 #include "mien/performer/expression.h"

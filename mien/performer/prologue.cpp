@@ -8,7 +8,7 @@
 
 #include "mien/core/units.h"
 #include "mien/face/anchors.h"
-#include "mien/performer/blink.h"
+#include "mien/performer/blinks.h"
 #include "mien/performer/canvas.h"
 #include "mien/performer/gaze_points.h"
 #include "mien/performer/head_motion.h"
@@ -115,7 +115,7 @@ class Prologue {
       miss(canvas, times.prompts[p], 0, random_.fork("prompt", p));
     const double prompted_s = times.range_of_motion.end_s - times.anchors.begin_s;
     auto blinks = draw_blinks(std::max(0.0, prompted_s - 0.5), 12, {}, random_.fork("blink"));
-    for (Blink& blink : blinks) blink.begin_s += times.anchors.begin_s;
+    for (face::Blink& blink : blinks) blink.begin_s += times.anchors.begin_s;
     const auto lids = lid_tracks(blinks, frame_count);
 
     if (times.gaze.end_s > times.gaze.begin_s) {

@@ -120,8 +120,9 @@ Result<View> view_of(const json& object) {
 }
 
 /// The shaping settings that a command may change.
-constexpr std::array<std::string_view, 9> kShapeKeys = {
-    "smoothing", "resting", "lids_follow_eyes", "gains", "limits", "constraints", "rules", "merge", "off"};
+constexpr std::array<std::string_view, 10> kShapeKeys = {
+    "smoothing", "resting", "blinks_per_min", "lids_follow_eyes", "gains", "limits", "constraints", "rules",
+    "merge",     "off"};
 
 Result<Shape> shape_of(const json& object) {
   json settings = json::object();

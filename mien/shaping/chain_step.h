@@ -15,16 +15,17 @@ enum class ChainStep : std::uint8_t {
   fallback,     ///< Lost sensors are bridged (Fallback).
   resting,      ///< The face at rest is learnt and taken off (Resting).
   recentring,   ///< The centre is taken off (Recentre).
+  blinks,       ///< Lids that no sensor observes blink (Blinks).
   gains,        ///< Gains and limits of each shape (Limits).
   smoothing,    ///< One Euro (Smoothing).
   constraints,  ///< What faces cannot do (face::RigConstraints).
   bounds,       ///< [0, 1], and no step above kStepAtMost (bounds.h).
   gaze,         ///< Lids from eye directions, and directions from lids (Lids, eyes_from_weights()).
 };
-inline constexpr std::size_t kChainStepCount = 10;
+inline constexpr std::size_t kChainStepCount = 11;
 /// "mend", ..., "gaze": in the order of ChainStep.
 inline constexpr std::array<std::string_view, kChainStepCount> kChainStepNames = {
-    "mend",  "merge",     "fallback",    "resting", "recentring",
+    "mend",  "merge",     "fallback",    "resting", "recentring", "blinks",
     "gains", "smoothing", "constraints", "bounds",  "gaze"};
 
 /// Some of them, by their number.

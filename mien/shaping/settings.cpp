@@ -12,6 +12,7 @@
 
 #include "mien/core/excerpt.h"
 #include "mien/core/nearest_word.h"
+#include "mien/shaping/blinks.h"
 
 namespace mien::shaping {
 namespace {
@@ -28,9 +29,9 @@ std::unexpected<Error> unknown_name(std::string_view what, std::string_view name
 }
 
 using Name = std::string_view;
-constexpr std::array<Name, 11> kKeys = {
-    "smoothing", "smooth_head", "resting",  "constraints", "rules", "lids_follow_eyes",
-    "gains",     "limits",      "fallback", "merge",       "off"};
+constexpr std::array<Name, 12> kKeys = {
+    "smoothing",        "smooth_head", "resting", "blinks_per_min", "constraints", "rules",
+    "lids_follow_eyes", "gains",       "limits",  "fallback",       "merge",       "off"};
 constexpr std::array<Name, 3> kFallbackKeys = {"hold_s", "neutral_s", "return_s"};
 constexpr std::array<Name, 4> kMergeKeys = {"sure", "unsure", "order", "audio"};
 
@@ -206,6 +207,7 @@ std::string write_settings(const ShaperSettings& settings) {
   json out = {{"smoothing", settings.smoothing},
               {"smooth_head", settings.smooth_head},
               {"resting", settings.resting},
+              {"blinks_per_min", settings.blinks_per_min},
               {"lids_follow_eyes", settings.lids_follow_eyes},
               {"gains", std::move(gains)},
               {"limits", std::move(limits)},
@@ -234,6 +236,9 @@ Result<ShaperSettings> parse_settings(std::string_view text, const std::string& 
     } else if (key == "resting") {
       if (!value.is_boolean()) return fail(ErrorCode::malformed, "'resting' is not true or false", where);
       settings.resting = value.get<bool>();
+    } else if (key == "blinks_per_min") {
+      MIEN_TRY(
+          read_within(value, "'blinks_per_min'", 0.0, Blinks::kRateAtMost, where, settings.blinks_per_min));
     } else if (key == "constraints") {
       if (!value.is_boolean()) return fail(ErrorCode::malformed, "'constraints' is not true or false", where);
       settings.constraints = value.get<bool>();

@@ -14,9 +14,11 @@ namespace mien::shaping {
 
 /// User settings of shaping. Ranges and defaults: docs/reference/shaping_settings.md.
 struct ShaperSettings {
-  double smoothing = 0;          ///< 0 to 1. Raising: less jitter, more delay; 0: none (smoothing_for).
-  bool smooth_head = false;      ///< True: the head is smoothed likewise.
-  bool resting = false;          ///< True: the resting face is learnt from the last 30 s (Resting).
+  double smoothing = 0;      ///< 0 to 1. Raising: less jitter, more delay; 0: none (smoothing_for).
+  bool smooth_head = false;  ///< True: the head is smoothed likewise.
+  bool resting = false;      ///< True: the resting face is learnt from the last 30 s (Resting).
+  /// Mean of spontaneous blinks of lids that no sensor observes, 0 to Blinks::kRateAtMost; 0: none (Blinks).
+  double blinks_per_min = 12;
   bool lids_follow_eyes = true;  ///< False: the eyeLook shapes stay their tracker's (lids.h).
   Limits limits;                 ///< Gains and bounds of each shape (limits.h).
   bool constraints = false;      ///< True: all live `rules` are obeyed. False: those that always hold.
@@ -30,10 +32,10 @@ struct ShaperSettings {
 };
 
 /// JSON, from which parse_settings restores equal settings: {"smoothing", "smooth_head", "resting",
-/// "lids_follow_eyes", "gains": {shape: gain}, "limits": {shape: [low, high]}, "constraints", "rules": a
-/// file's text, "fallback": {"hold_s", "neutral_s", "return_s"}, "merge": {"sure", "unsure", "order": {place:
-/// [modality, ...]}}, "off": [step, ...]}; default gains, limits, "constraints", "rules", "merge" and "off"
-/// are left out.
+/// "blinks_per_min", "lids_follow_eyes", "gains": {shape: gain}, "limits": {shape: [low, high]},
+/// "constraints", "rules": a file's text, "fallback": {"hold_s", "neutral_s", "return_s"}, "merge": {"sure",
+/// "unsure", "order": {place: [modality, ...]}}, "off": [step, ...]}; default gains, limits, "constraints",
+/// "rules", "merge" and "off" are left out.
 [[nodiscard]] std::string write_settings(const ShaperSettings& settings);
 /// `base` with the fields of the JSON object; all are optional, and shapes that it does not name stay.
 /// Errors: malformed (no JSON object, unknown key or shape, a value of another type), out_of_range (ranges:

@@ -43,6 +43,7 @@ void Shaper::set(const ShaperSettings& settings) {
   resting_.set(settings.resting && settings.runs(ChainStep::resting));
   const bool smooth = settings.runs(ChainStep::smoothing);
   smoothing_.set(smoothing_for(smooth ? settings.smoothing : 0, smooth && settings.smooth_head));
+  if (!settings.runs(ChainStep::blinks)) blinks_.reset();
   if (!settings.runs(ChainStep::gaze)) lids_.reset();
 }
 
@@ -54,6 +55,7 @@ void Shaper::reset() {
   resting_.reset();
   recentre_.settle();
   position_.reset();
+  blinks_.reset();
   lids_.reset();
   smoothing_.reset();
 }
@@ -89,6 +91,7 @@ std::size_t Shaper::apply(std::span<const Merge::Source> sources, face::OutputFr
   resting_.apply(frame);
   if (settings_.runs(ChainStep::recentring)) recentre_.take_off(frame, resting_.present());
   if (settings_.runs(ChainStep::fallback)) position_.apply(frame, return_s);
+  if (settings_.runs(ChainStep::blinks)) blinks_.apply(frame, settings_.blinks_per_min);
   if (limited_) settings_.limits.apply(frame);
   smoothing_.apply(frame);
   const bool ruled = settings_.runs(ChainStep::constraints);

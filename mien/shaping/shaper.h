@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mien/face/output_frame.h"
+#include "mien/shaping/blinks.h"
 #include "mien/shaping/fallback.h"
 #include "mien/shaping/head_position.h"
 #include "mien/shaping/lids.h"
@@ -19,12 +20,13 @@ namespace mien::shaping {
 
 /// Post-processing of trackers' frames before the sinks, in a fixed order: merge (of the trackers' estimates,
 /// a lone one's too: Merge), mend (invalid values), fallback, resting face (off unless asked for),
-/// re-centring, the head's position, gains and limits, smoothing, constraints (off unless asked for), bounds
-/// (no step above kStepAtMost), gaze (lids from eye directions: the eyes' own step), again bounds ([0, 1])
-/// and the constraints that always hold (mouthClose <= jawOpen), eye directions from lids. Output is finite
-/// and within bounds for any input, unless settings.off names mend or bounds. With default settings and no
-/// change of sensors a valid frame keeps the bits of its weights (unless mouthClose is above jawOpen; without
-/// rules even then) and of its head; with every step off it keeps all of them.
+/// re-centring, the head's position, blinks (of lids that no sensor observes), gains and limits, smoothing,
+/// constraints (off unless asked for), bounds (no step above kStepAtMost), gaze (lids from eye directions:
+/// the eyes' own step), again bounds ([0, 1]) and the constraints that always hold (mouthClose <= jawOpen),
+/// eye directions from lids. Output is finite and within bounds for any input, unless settings.off names mend
+/// or bounds. With default settings and no change of sensors a valid frame keeps the bits of its weights (but
+/// of lids that blink, and unless mouthClose is above jawOpen; without rules even then) and of its head; with
+/// every step off it keeps all of them.
 ///
 /// A pure function of the calls, on frame time; a frame not later than the last (a replay wound back) resets
 /// the state but for settings, centre and resting face. No allocation. Thread: one at a time. Method and
@@ -77,6 +79,7 @@ class Shaper {
   Resting resting_;
   Recentre recentre_;
   HeadPosition position_;
+  Blinks blinks_;
   Lids lids_;
   Smoothing smoothing_;
 };

@@ -218,8 +218,8 @@ TEST_F(LiveProgram, RulesOfOnesOwnAreObeyedAndAReplayNeedsNoFile) {
   write(rules,
         "# A jaw that hardly opens.\n[[conditional]]\na = \"jawOpen\"\nb = \"jawLeft\"\nat_most = [[0, "
         "0.05]]\n");
-  const Live live = start_live("ruled", {"--record", take, "--json", "--constraints", rules, "--out",
-                                         "csv:" + (folder / "ruled.csv")});
+  const Live live = start_live("ruled", {"--record", take, "--json", "--constraints", rules, "--blinks", "40",
+                                         "--out", "csv:" + (folder / "ruled.csv")});
   ASSERT_GT(live.port, 0) << content(folder / "ruled.err");
   {
     Sender sender(live.port);
@@ -230,6 +230,8 @@ TEST_F(LiveProgram, RulesOfOnesOwnAreObeyedAndAReplayNeedsNoFile) {
   const std::vector<double> jaw = column(content(folder / "ruled.csv"), "JawOpen");
   ASSERT_GT(jaw.size(), 700U);
   EXPECT_NEAR(*std::ranges::max_element(jaw), 0.05, 1e-3) << "the performer talks";
+  const std::vector<double> lid = column(content(folder / "ruled.csv"), "EyeBlinkLeft");
+  EXPECT_GT(*std::ranges::max_element(lid), 0.9) << "no sensor observes the lids";
   std::filesystem::remove(rules);
   const Outcome again = run({"live", "--replay", take, "--json"});
   ASSERT_EQ(again.status, 0) << again.err;

@@ -53,6 +53,14 @@ TEST(EvaluationReport, ShowsEyesAndLipsWhereTheyAreKnown) {
   EXPECT_EQ(table.columns, (std::vector<std::string>{"", "gaze median, °", "gaze p90, °", "ECE"}));
   EXPECT_EQ(table.rows.at(0), (std::vector<std::string>{"model", "2.5", "7.5", "0.125"}));
   EXPECT_THAT(evaluation_report(evaluation, some_context()).html(), HasSubstr("Eyes, lids and lips"));
+  // The share of time with the eyes shut, where they ever are: the truth's first.
+  evaluation.model.truth_shut = 0.0312;
+  evaluation.blinking = Metrics{.shut = 0.04};
+  const Table shutting = eyes_and_lips_table(evaluation);
+  EXPECT_EQ(shutting.columns.at(3), "eyes shut, %");
+  EXPECT_EQ(shutting.rows.at(0).front(), "truth");
+  EXPECT_EQ(shutting.rows.at(0).at(3), "3.1");
+  EXPECT_EQ(shutting.rows.at(2).at(3), "4.0");
 }
 
 TEST(EvaluationReport, NamesRidgeOnlyWhereThereIsOne) {

@@ -141,9 +141,9 @@ TEST(Command, AShapeNamesTheKeyThatItDoesNotKnow) {
   ASSERT_FALSE(command);
   const std::string message = command.error().message();
   EXPECT_NE(message.find("\"gain\""), std::string::npos) << message;
-  EXPECT_NE(
-      message.find("smoothing, resting, lids_follow_eyes, gains, limits, constraints, rules, merge, off"),
-      std::string::npos)
+  EXPECT_NE(message.find("smoothing, resting, blinks_per_min, lids_follow_eyes, gains, limits, constraints, "
+                         "rules, merge, off"),
+            std::string::npos)
       << message;
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;
 }

@@ -12,6 +12,7 @@ TEST(Settings, GoThroughJson) {
   settings.smooth_head = true;
   settings.constraints = true;
   settings.lids_follow_eyes = false;
+  settings.blinks_per_min = 25;
   settings.off.set(static_cast<std::size_t>(ChainStep::merge)).set(static_cast<std::size_t>(ChainStep::gaze));
   settings.limits.shapes[face::shape("jawOpen")] = {.gain = 1.3f, .low = 0.1f, .high = 0.9f};
   settings.limits.shapes[face::shape("noseSneer_R")].gain = 0;
@@ -82,6 +83,7 @@ TEST(Settings, RefuseWhatCannotBeMeant) {
                            R"({"rules": "[[exclusive"})",
                            R"({"resting": 1})",
                            R"({"lids_follow_eyes": "yes"})",
+                           R"({"blinks_per_min": true})",
                            R"({"off": "gaze"})",
                            R"({"off": ["eyes"]})",
                            R"({"off": [1]})",

@@ -99,6 +99,7 @@ std::vector<face::OutputFrame> shaped(const ChainSteps& off) {
     for (const EyeShapes& eye : kEyeShapes)
       for (const std::size_t s : {eye.left, eye.right, eye.up, eye.down})
         frame.provenance[s] = Provenance::predicted;
+    frame.provenance[shape("eyeBlink_L")] = Provenance::predicted;
     shaper.apply(frame, i > 600 && i < 700 ? 0 : 12);
     out.push_back(frame);
   }

@@ -124,6 +124,8 @@ export interface Shaping {
   smoothing: number;
   /** The face at rest is learnt while it is worn. */
   resting: boolean;
+  /** Blinks a minute of lids that no sensor observes, 0 to 60; 0: none. */
+  blinks_per_min: number;
   /** All rules between shapes are obeyed, not only those that always hold. */
   constraints: boolean;
   lids_follow_eyes: boolean;
@@ -235,7 +237,7 @@ export type Command =
   | { command: "cover"; sensor: string }
   | ({ command: "view"; sensor: string } & ViewChange)
   | { command: "save_rig" }
-  | { command: "shape"; smoothing?: number; merge?: { audio: boolean }; resting?: boolean; constraints?: boolean; lids_follow_eyes?: boolean; gains?: Record<string, number>; limits?: Record<string, [number, number]> }
+  | { command: "shape"; smoothing?: number; blinks_per_min?: number; merge?: { audio: boolean }; resting?: boolean; constraints?: boolean; lids_follow_eyes?: boolean; gains?: Record<string, number>; limits?: Record<string, [number, number]> }
   | { command: "listen"; only: string }
   | { command: "pair" }
   | { command: "microphone"; on: boolean }
@@ -396,6 +398,7 @@ function readShaping(fields: Fields): Shaping {
   return {
     smoothing: share(fields["smoothing"]),
     resting: fields["resting"] === true,
+    blinks_per_min: Math.min(60, Math.max(0, number(fields["blinks_per_min"], 0))),
     constraints: fields["constraints"] === true,
     lids_follow_eyes: fields["lids_follow_eyes"] !== false,
     rests,

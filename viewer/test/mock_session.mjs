@@ -151,7 +151,7 @@ class MockSession {
     this.recording = { on: false, path: "", since: 0, error: null };
     if (prompts) Object.assign(this.recording, { on: true, path: "me.mien" });
     this.takes = TAKES.map((take) => ({ ...take }));
-    this.shaping = { smoothing: 0.25, resting: false, lids_follow_eyes: true, resting_face: { rest: {}, full: {} }, gains: { jawOpen: 1.2 }, limits: {} };
+    this.shaping = { smoothing: 0.25, blinks_per_min: 12, resting: false, lids_follow_eyes: true, resting_face: { rest: {}, full: {} }, gains: { jawOpen: 1.2 }, limits: {} };
     this.cameras = new MockCameras(headset ? this.sensors.length : 0, every, (sensor) => this.states[this.sensors[sensor].name] !== "lost");
     /** Of a headset: the lower face is heard, since no camera sees it. */
     this.mouthIsHeard = false;
@@ -430,8 +430,7 @@ class MockSession {
         ++this.saved;
         return { rig: "rigs/headset.toml" };
       case "shape":
-        if (command.smoothing !== undefined) this.shaping.smoothing = command.smoothing;
-        for (const key of ["constraints", "lids_follow_eyes"]) if (command[key] !== undefined) this.shaping[key] = command[key];
+        for (const key of ["smoothing", "blinks_per_min", "constraints", "lids_follow_eyes"]) if (command[key] !== undefined) this.shaping[key] = command[key];
         if (command.merge?.audio !== undefined) this.voice.switch(command.merge.audio);
         if (command.resting !== undefined) {
           this.shaping.resting = command.resting;

@@ -324,6 +324,8 @@ test("output: receivers on, off, added, removed; smoothing; refusals are said", 
   await obeyed("sink", (command) => command.remove === true && command.sink === 4);
   await page.getByLabel("Smoothing").fill("0.6");
   await obeyed("shape", (command) => command.smoothing === 0.6);
+  await page.getByLabel("Blinks a minute").fill("20");
+  await obeyed("shape", (command) => command.blinks_per_min === 20);
   const learning = page.getByRole("switch", { name: "Learn the face at rest" });
   assert.equal(await learning.getAttribute("aria-checked"), "false");
   await learning.click();

@@ -21,6 +21,14 @@ const SINK_KINDS: readonly (readonly [string, string])[] = [
   ["csv:face.csv", "A file, Live Link Face CSV"],
 ];
 
+/** Sliders of shaping: key of the command, label, most, step. */
+const SLIDERS = [
+  ["smoothing", "Smoothing", 1, 0.01],
+  ["blinks_per_min", "Blinks a minute", 60, 1],
+] as const;
+/** While a slider is dragged, no more than one command in this time, ms. */
+const SEND_MS = 120;
+
 /** Steps of shaping that are switched here: key of the command, label, what it does. */
 const SWITCHES = [
   ["resting", "Learn the face at rest", "What it mostly is, of the last 30 s, becomes neutral."],
@@ -30,7 +38,7 @@ const SWITCHES = [
 
 export class OutputPanel {
   readonly element = h("div", { class: "panel output-panel" });
-  private readonly smoothing = slider("Smoothing", 0, 1, 0.01);
+  private readonly sliders = SLIDERS.map(([key, label, most, step]) => ({ key, slider: slider(label, 0, most, step), timer: 0 }));
   private readonly switches = SWITCHES.map(([key, label]) => ({
     key,
     element: h("button", {
@@ -43,7 +51,6 @@ export class OutputPanel {
   private readonly about = h("dl", { class: "facts" });
   private readonly latency = h("canvas", { class: "latency-plot", role: "img", "aria-label": "Latency over the last two minutes" });
   private readonly latencyText = h("p", { class: "summary" });
-  private timer = 0;
 
   constructor(
     private readonly session: Session,
@@ -59,7 +66,8 @@ export class OutputPanel {
       sinkList,
       this.makeAdd(),
       h("h3", { text: "Shaping" }),
-      this.smoothing.element,
+      ...this.sliders.map(({ slider }) => slider.element),
+      h("p", { class: "quiet", text: "Only lids that no sensor observes are made to blink." }),
       ...SWITCHES.map(([, label, words], at) =>
         h("div", { class: "switch-row" }, this.switches[at]!.element, h("span", {}, `${label} `, h("span", { class: "quiet", text: words }))),
       ),
@@ -74,14 +82,20 @@ export class OutputPanel {
       h("h3", { text: "What happened" }),
       log,
     );
-    this.smoothing.input.addEventListener("input", () => {
-      this.smoothing.set(this.smoothing.value);
-      this.sendSmoothingSoon();
-    });
+    for (const one of this.sliders)
+      one.slider.input.addEventListener("input", () => {
+        one.slider.set(one.slider.value);
+        if (one.timer !== 0) return;
+        one.timer = window.setTimeout(() => {
+          one.timer = 0;
+          void this.actions.send({ command: "shape", [one.key]: one.slider.value });
+        }, SEND_MS);
+      });
     session.status.listen((status) => {
       if (!status) return;
       sinks.update(status.sinks);
-      if (this.timer === 0 && document.activeElement !== this.smoothing.input) this.smoothing.set(status.shaping.smoothing);
+      for (const { key, slider, timer } of this.sliders)
+        if (timer === 0 && document.activeElement !== slider.input) slider.set(status.shaping[key]);
       for (const { key, element } of this.switches) element.setAttribute("aria-checked", String(status.shaping[key]));
       this.drawShaped(status);
       this.drawAbout(status);
@@ -122,14 +136,6 @@ export class OutputPanel {
       h("button", { type: "submit", class: "button", text: "Add" }),
       h("datalist", { id: "sink-kinds" }, ...SINK_KINDS.map(([value, label]) => h("option", { value, label }))),
     );
-  }
-
-  private sendSmoothingSoon(): void {
-    if (this.timer !== 0) return;
-    this.timer = window.setTimeout(() => {
-      this.timer = 0;
-      void this.actions.send({ command: "shape", smoothing: this.smoothing.value });
-    }, 120);
   }
 
   private drawShaped(status: Status): void {

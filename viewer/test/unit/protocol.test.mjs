@@ -153,7 +153,8 @@ test("of the face at rest the rests are read that are in force", () => {
   const { shaping: shown } = read({ type: "status", shaping });
   assert.equal(shown.resting, true);
   assert.deepEqual([shown.constraints, shown.lids_follow_eyes], [false, true]);
-  const other = read({ type: "status", shaping: { constraints: true, lids_follow_eyes: false } }).shaping;
+  const other = read({ type: "status", shaping: { constraints: true, lids_follow_eyes: false, blinks_per_min: 20 } }).shaping;
+  assert.deepEqual([shown.blinks_per_min, other.blinks_per_min], [0, 20]);
   assert.deepEqual([other.constraints, other.lids_follow_eyes], [true, false]);
   assert.deepEqual([...shown.rests], [["eyeBlink_L", 0.3], ["mouthSmile_L", 1]]);
   for (const odd of [null, [], 3, { rest: [] }, { rest: { eyeBlink_L: "much" } }]) {

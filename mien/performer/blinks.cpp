@@ -1,11 +1,13 @@
-#include "mien/performer/blink.h"
+#include "mien/performer/blinks.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "mien/performer/canvas.h"
+#include "mien/core/time.h"
 
 namespace mien::performer {
+
+using face::Blink;
 
 namespace {
 
@@ -13,7 +15,6 @@ constexpr double kSpread = 0.65;  // Of the logarithm of intervals: long and sho
 constexpr double kLeastGap_s = 0.12;  // Between the end of one blink and the start of the next.
 constexpr double kCueReach_s = 0.7;   // A cue this near draws a blink to itself,
 constexpr double kCuePull = 0.6;      // this often.
-constexpr double kPartialShare = 0.2;
 
 /// The cue nearest to `time_s` within reach; `time_s` itself when there is none.
 double nearest_cue(std::span<const double> cues_s, double time_s) {
@@ -28,23 +29,7 @@ double nearest_cue(std::span<const double> cues_s, double time_s) {
   return best;
 }
 
-Blink draw_blink(double begin_s, Random& random) {
-  Blink blink;
-  blink.begin_s = begin_s;
-  blink.closing_s = random.uniform(0.08, 0.10);
-  blink.hold_s = std::min(0.12, random.exponential(0.02));
-  blink.opening_s = random.uniform(0.15, 0.20);
-  blink.peak = random.chance(kPartialShare) ? random.uniform(0.3, 0.75) : random.uniform(0.92, 1.0);
-  blink.right_lag_s = random.normal(0, 0.004);
-  return blink;
-}
-
 }  // namespace
-
-double Blink::at(double time_s, int side) const {
-  const Envelope envelope{begin_s + (side == 1 ? right_lag_s : 0), closing_s, hold_s, opening_s};
-  return peak * envelope.at(time_s);
-}
 
 std::vector<Blink> draw_blinks(double duration_s, double rate_per_min, std::span<const double> cues_s,
                                Random random) {
@@ -61,7 +46,7 @@ std::vector<Blink> draw_blinks(double duration_s, double rate_per_min, std::span
     if (random.chance(kCuePull)) begin_s = nearest_cue(cues_s, begin_s);
     begin_s = std::max(begin_s, free_s);
     if (begin_s >= duration_s) break;
-    blinks.push_back(draw_blink(begin_s, random));
+    blinks.push_back(face::draw_blink(begin_s, random));
     free_s = blinks.back().end_s() + kLeastGap_s;
     // From the drawn time, not from the cue's: cues move blinks and leave the rate alone.
     next_s += std::exp(random.normal(centre, kSpread));

@@ -1,4 +1,4 @@
-#include "mien/performer/blink.h"
+#include "mien/performer/blinks.h"
 
 #include <gtest/gtest.h>
 
@@ -50,9 +50,10 @@ TEST(Blinks, TimesAreThoseOfPeople) {
 TEST(Blinks, FallOnCuesMoreOftenThanByChance) {
   std::vector<double> cues;
   for (double t = 3; t < 3600; t += 3) cues.push_back(t);
-  const auto near_cue = [&](const std::vector<Blink>& blinks) {
+  const auto near_cue = [&](const std::vector<face::Blink>& blinks) {
     double count = 0;
-    for (const Blink& blink : blinks) count += std::abs(std::remainder(blink.begin_s, 3.0)) < 0.05 ? 1 : 0;
+    for (const face::Blink& blink : blinks)
+      count += std::abs(std::remainder(blink.begin_s, 3.0)) < 0.05 ? 1 : 0;
     return count / static_cast<double>(blinks.size());
   };
   EXPECT_LT(near_cue(draw_blinks(3600, 15, {}, Random(6))), 0.08);
@@ -60,7 +61,7 @@ TEST(Blinks, FallOnCuesMoreOftenThanByChance) {
 }
 
 TEST(Blinks, LidsReachThePeakAndComeBack) {
-  const Blink blink{
+  const face::Blink blink{
       .begin_s = 0.5, .closing_s = 0.09, .hold_s = 0.04, .opening_s = 0.17, .peak = 1, .right_lag_s = 0};
   const auto lids = lid_tracks(std::vector{blink}, 90);
   EXPECT_EQ(lids.front()[0], 0.0F);
