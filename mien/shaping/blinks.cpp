@@ -21,6 +21,7 @@ struct Eye {
 constexpr std::array<Eye, 2> kEyes = {Eye{shape("eyeBlink_L"), shape("eyeWide_L"), shape("eyeSquint_L")},
                                       Eye{shape("eyeBlink_R"), shape("eyeWide_R"), shape("eyeSquint_R")}};
 
+constexpr std::uint64_t kSeed = 3;
 constexpr double kFastTurn_rad_s = 2;      // A glance over the shoulder, not a nod.
 constexpr double kFastSquint_per_s = 2.5;  // Weight; a tracker's noise stays below 1.
 constexpr double kLeastPause_s = 0.4;      // From the end of one blink to the next.
@@ -33,7 +34,7 @@ std::optional<face::Blink> spontaneous(double time_s, double step_s, double rate
   if (rate_per_min <= 0) return {};
   const double interval_s = 60 / rate_per_min;
   const double number = std::floor(time_s / interval_s);
-  Random random = Random(1).fork("blinks", static_cast<std::uint64_t>(static_cast<std::int64_t>(number)));
+  Random random = Random(kSeed).fork("blinks", static_cast<std::uint64_t>(static_cast<std::int64_t>(number)));
   const double which = random.uniform();
   const int count = which < kNone ? 0 : which < kNone + kTwo ? 2 : 1;
   for (int i = 0; i < count; ++i) {
@@ -75,7 +76,7 @@ void Blinks::apply(face::OutputFrame& frame, double rate_per_min) {
     blink_ = spontaneous(time_s, step_s, rate_per_min);
     if (!blink_ && cue && rate_per_min > 0) {
       Random random =
-          Random(2).fork("blinks", static_cast<std::uint64_t>(frame.time.time_since_epoch().count()));
+          Random(kSeed).fork("cued", static_cast<std::uint64_t>(frame.time.time_since_epoch().count()));
       blink_ = face::draw_blink(time_s, random);
     }
   }
