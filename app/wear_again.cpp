@@ -31,15 +31,6 @@ Result<face::Motion> evaluated_motion(const take::Take& take) {
   return motion;
 }
 
-performer::PrologueKind prologue_of(const take::Header& header) {
-  using performer::PrologueKind;
-  for (const auto& [name, kind] :
-       {std::pair{"none", PrologueKind::none}, std::pair{"full", PrologueKind::full},
-        std::pair{"guided", PrologueKind::guided}, std::pair{"gaze", PrologueKind::gaze}})
-    if (header.prologue == name) return kind;
-  return PrologueKind::brief;
-}
-
 }  // namespace
 
 Result<void> check_wears_again(const take::Take& take) {
@@ -63,7 +54,7 @@ Result<take::Take> wear_again(const take::Take& take, std::uint64_t seed, const 
   request.script_name = header.script;
   request.face = header.face;
   request.devices = header.devices;
-  request.prologue = prologue_of(header);
+  request.prologue = performer::prologue_kind(header.prologue);
   request.seed = seed;
   request.software = header.software;
   request.rig = folder / "rig.toml";

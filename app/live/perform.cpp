@@ -306,10 +306,7 @@ Result<void> run_perform(PerformOptions options) {
                                  std::make_move_iterator(scripts.end()));
   }
   if (!options.sound.empty()) MIEN_TRY(write_sound(options));
-  if (options.prologue == "none") request.prologue = performer::PrologueKind::none;
-  if (options.prologue == "full") request.prologue = performer::PrologueKind::full;
-  if (options.prologue == "guided") request.prologue = performer::PrologueKind::guided;
-  if (options.prologue == "gaze") request.prologue = performer::PrologueKind::gaze;
+  request.prologue = performer::prologue_kind(options.prologue);
   request.real_time = options.pace == "real";
   request.software = "mien " MIEN_VERSION;
   MIEN_TRY_ASSIGN(request.rig, path_or(options.rig, "rigs/default.toml"));

@@ -1,11 +1,9 @@
 #include "mien/model/linear.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstring>
-#include <vector>
 
 #include "mien/model/product.h"
 

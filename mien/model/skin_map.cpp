@@ -1,7 +1,6 @@
 #include "mien/model/skin_map.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "mien/core/rotation.h"
 

@@ -1,6 +1,5 @@
 #include "mien/onnx/causal_graph.h"
 
-#include <utility>
 #include <vector>
 
 namespace mien::onnx {

@@ -1,7 +1,6 @@
 #include "mien/onnx/graph.h"
 
 #include <bit>
-#include <string_view>
 
 namespace mien::onnx {
 namespace {

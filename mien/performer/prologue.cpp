@@ -201,4 +201,10 @@ PrologueMotion with_prologue(const face::Motion& motion, PrologueKind kind, cons
   return Prologue(random, needs).run(motion, kind);
 }
 
+PrologueKind prologue_kind(std::string_view name) {
+  const auto found = std::ranges::find(kPrologueNames, name);
+  return found == kPrologueNames.end() ? PrologueKind::brief
+                                       : static_cast<PrologueKind>(found - kPrologueNames.begin());
+}
+
 }  // namespace mien::performer

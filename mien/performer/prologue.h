@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mien/core/random.h"
@@ -17,6 +19,10 @@ enum class PrologueKind {
   gaze,    ///< "short", then the targets of a calibration of gaze, with that
            ///< timing too.
 };
+/// By the numbers of PrologueKind: as options and takes name them.
+inline constexpr std::array<std::string_view, 5> kPrologueNames = {"none", "short", "full", "guided", "gaze"};
+/// brief for a name that is none.
+[[nodiscard]] PrologueKind prologue_kind(std::string_view name);
 
 /// Seconds from the start of the whole; end_s == begin_s: none.
 struct Interval {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <numbers>
 
 #include "mien/render/infrared_scene.h"

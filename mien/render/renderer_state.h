@@ -1,13 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <numbers>
 #include <span>
-#include <thread>
 #include <vector>
 
 #include "mien/core/smoothstep.h"

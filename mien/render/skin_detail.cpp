@@ -1,7 +1,6 @@
 #include "mien/render/skin_detail.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "mien/core/smoothstep.h"

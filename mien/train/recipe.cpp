@@ -2,7 +2,6 @@
 
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <sstream>
 
 #include "mien/core/toml.h"

@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <set>
-#include <utility>
 
 #include "mien/core/time.h"
 

@@ -22,22 +22,6 @@ namespace {
 /// Share of the work that setting the stage counts as.
 constexpr double kBegun = 0.1;
 
-std::string_view prologue_name(performer::PrologueKind kind) {
-  switch (kind) {
-    case performer::PrologueKind::none:
-      return "none";
-    case performer::PrologueKind::brief:
-      return "short";
-    case performer::PrologueKind::full:
-      return "full";
-    case performer::PrologueKind::guided:
-      return "guided";
-    case performer::PrologueKind::gaze:
-      return "gaze";
-  }
-  return "none";
-}
-
 std::string now_utc() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
@@ -150,7 +134,7 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   header.script = request.script_name;
   header.devices = request.devices;
   header.face = request.face;
-  header.prologue = prologue_name(request.prologue);
+  header.prologue = performer::kPrologueNames[static_cast<std::size_t>(request.prologue)];
   header.seed = request.seed;
   header.rig_toml = stage.rig_toml;
   header.created_utc = now_utc();

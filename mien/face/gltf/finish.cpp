@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <set>
-#include <string_view>
 #include <utility>
 
 #include "mien/core/smoothstep.h"

@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <optional>
 
 #include "mien/core/excerpt.h"
 #include "mien/core/rotation.h"

@@ -1,7 +1,6 @@
 #include "mien/synthetic/eyewear/eyewear_dataset.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 

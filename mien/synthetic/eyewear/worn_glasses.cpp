@@ -1,9 +1,7 @@
 #include "mien/synthetic/eyewear/worn_glasses.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <vector>
 
 #include "mien/core/time.h"

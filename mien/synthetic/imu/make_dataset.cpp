@@ -1,7 +1,6 @@
 #include "mien/synthetic/imu/make_dataset.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>

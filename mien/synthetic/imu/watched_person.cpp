@@ -1,7 +1,6 @@
 #include "mien/synthetic/imu/watched_person.h"
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <string>
 #include <utility>
