@@ -16,9 +16,7 @@ struct Blink {
   [[nodiscard]] double end_s() const { return begin_s + closing_s + hold_s + opening_s; }
   /// eyeBlink weight, 0 to peak, with minimum-jerk slopes. `side`: 0 left, 1 right.
   [[nodiscard]] double at(double time_s, int side) const {
-    const double t = time_s - (begin_s + (side == 1 ? right_lag_s : 0));
-    return peak * (t < closing_s ? minimum_jerk(t / closing_s)
-                                 : 1 - minimum_jerk((t - closing_s - hold_s) / opening_s));
+    return peak * Envelope{begin_s + (side == 1 ? right_lag_s : 0), closing_s, hold_s, opening_s}.at(time_s);
   }
 };
 

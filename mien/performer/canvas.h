@@ -13,22 +13,6 @@
 
 namespace mien::performer {
 
-/// Time course of a gesture: rise, hold, fall, with minimum-jerk slopes. Seconds from the canvas's start.
-struct Envelope {
-  double begin_s = 0;
-  double rise_s = 0.2;
-  double hold_s = 0;
-  double fall_s = 0.3;
-
-  [[nodiscard]] double end_s() const { return begin_s + rise_s + hold_s + fall_s; }
-  /// 0 to 1.
-  [[nodiscard]] double at(double time_s) const {
-    const double t = time_s - begin_s;
-    if (t < rise_s) return minimum_jerk(t / rise_s);
-    return 1 - minimum_jerk((t - rise_s - hold_s) / fall_s);
-  }
-};
-
 /// One shape of a pose and its weight.
 struct PosePart {
   std::uint8_t shape = 0;  ///< Index of the ICT shape, 0 to 52.

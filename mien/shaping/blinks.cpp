@@ -68,7 +68,6 @@ bool Blinks::cued(const face::OutputFrame& frame, double step_s) {
 }
 
 void Blinks::apply(face::OutputFrame& frame, double rate_per_min) {
-  const face::OutputFrame came = frame;
   const double time_s = to_seconds(frame.time.time_since_epoch());
   const double step_s = begun_ ? std::clamp(to_seconds(frame.time - last_.time), 1e-3, 0.1) : 1e-3;
   const bool cue = begun_ && cued(frame, step_s);
@@ -96,7 +95,7 @@ void Blinks::apply(face::OutputFrame& frame, double rate_per_min) {
     frame.weights[eye.wide] *= 1 - shut;
     frame.confidence[eye.wide] *= 1 - shut;
   }
-  last_ = came;
+  last_ = frame;
   begun_ = true;
 }
 

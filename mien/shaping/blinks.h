@@ -40,7 +40,7 @@ class Blinks {
   [[nodiscard]] bool cued(const face::OutputFrame& frame, double step_s);
 
   bool begun_ = false;
-  face::OutputFrame last_;  // As it came.
+  face::OutputFrame last_;
   Cue turn_;
   std::array<Cue, 2> squints_;
   std::optional<face::Blink> blink_;  // The last that began.

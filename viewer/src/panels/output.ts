@@ -8,7 +8,7 @@ import type { SinkStatus, Status } from "../protocol";
 import type { Session } from "../session";
 import { shapeIndex, shapeLabel } from "../shapes";
 import type { ViewState } from "../view_state";
-import { slider } from "./shape_knobs";
+import { SEND_MS, slider } from "./shape_knobs";
 import { VoiceBlock } from "./voice";
 import { isLimited } from "./weights";
 
@@ -26,8 +26,6 @@ const SLIDERS = [
   ["smoothing", "Smoothing", 1, 0.01],
   ["blinks_per_min", "Blinks a minute", 60, 1],
 ] as const;
-/** While a slider is dragged, no more than one command in this time, ms. */
-const SEND_MS = 120;
 
 /** Steps of shaping that are switched here: key of the command, label, what it does. */
 const SWITCHES = [

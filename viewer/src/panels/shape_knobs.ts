@@ -8,7 +8,7 @@ import type { ViewState } from "../view_state";
 
 const HIGHEST_GAIN = 3;
 /** While a slider is dragged, no more than one command in this time, ms. */
-const SEND_MS = 120;
+export const SEND_MS = 120;
 
 export class ShapeKnobs {
   readonly element = h("details", { class: "knobs" });
