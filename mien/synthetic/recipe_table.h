@@ -64,7 +64,13 @@ class RecipeTable {
  private:
   template <class Value>
   static std::optional<Limit<Value>> within(const toml::node& node, Limit<Value> low, Limit<Value> high) {
-    const auto given = node.is_number() ? node.value<Limit<Value>>() : std::nullopt;
+    std::optional<Limit<Value>> given;
+    // The library converts 1e300 to a whole number before it asks whether that can be.
+    if constexpr (std::floating_point<Value>) {
+      if (node.is_number()) given = node.value<double>();
+    } else {
+      given = node.value_exact<std::int64_t>();
+    }
     return given && *given >= low && *given <= high ? given : std::nullopt;
   }
   template <class Value>

@@ -49,7 +49,8 @@ TEST(EyewearDataset, ReadsItsTable) {
   ASSERT_TRUE(recipe) << recipe.error().message();
   EXPECT_EQ(*recipe, (EyewearDataRecipe{7, 3, 2, 30}));
   for (const char* bad :
-       {"wearers = 0", "seconds = nan", "seconds = 5", "performers = 3", "seed = -1", "x ="})
+       {"wearers = 0", "seconds = nan", "seconds = 5", "performers = 3", "seed = -1", "seed = 1e300", "wearers = 3.0",
+        "x ="})
     EXPECT_FALSE(parse_eyewear_data_recipe(bad, "test")) << bad;
 }
 
