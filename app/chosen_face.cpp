@@ -1,7 +1,5 @@
 #include "app/chosen_face.h"
 
-#include <fmt/format.h>
-
 #include <cstdio>
 
 #include "app/command.h"

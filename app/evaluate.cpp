@@ -208,7 +208,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
   std::vector<std::vector<take::TruthFrame>> truths;  // Of each take.
   std::vector<measure::ToldTruth> told;
   std::set<std::string> devices;
-  std::set<std::string> performed_on;
+  std::set<std::string> performed_on, performed;
   for (const std::string& path : options.takes) {
     MIEN_TRY_ASSIGN(take::Take take, take::Take::open(path));
     MIEN_TRY_ASSIGN(Truth truth, read_truth(options.phone, take));
@@ -217,6 +217,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
     if (options.wears > 0) MIEN_TRY(check_wears_again(take));
     devices.insert(take.header().devices);
     performed_on.insert(take.header().face);
+    performed.insert(take.header().script);
     takes.push_back(std::move(take));
   }
   for (const take::Take& take : takes)
@@ -271,7 +272,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
     fmt::print(stderr,
                "mien: the wearer was learnt on {} of the {} takes; evaluate them apart to tell them apart\n",
                adapted, takes.size());
-  const measure::EvaluationContext context{
+  measure::EvaluationContext context{
       .face = face_name,
       .model = options.model.path,
       .devices = devices.size() == 1 ? *devices.begin() : "mixed",
@@ -280,6 +281,8 @@ Result<void> run_evaluate(EvaluateOptions options) {
       .adapt_s = adapt_s,
       .told = std::move(told),
   };
+  for (const std::string& name : model.recorded())
+    if (performed.contains(name)) context.trained_on.push_back(one_line(name));
   if (!options.report.empty())
     MIEN_TRY(measure::evaluation_report(evaluation, context).write(options.report));
   if (options.json) {
@@ -290,7 +293,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
   fmt::print("{} frames of {} take{} on {}, {} profile, {}; model {}\n\n", evaluation.frames,
              evaluation.takes, evaluation.takes == 1 ? "" : "s", face_name, context.devices,
              measure::asked_how(context), one_line(context.model));
-  std::vector<std::string> first = measure::truth_told(context);
+  std::vector<std::string> first = measure::caveats(context);
   std::ranges::move(measure::baselines_ahead(evaluation), std::back_inserter(first));
   for (const std::string& sentence : first) fmt::print("{}\n", sentence);
   if (!first.empty()) fmt::print("\n");

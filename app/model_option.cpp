@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "app/command.h"
@@ -86,13 +87,24 @@ OpenModel::OpenModel(tracker::WindowSolver solver, int steps) : model_(std::move
       solve::sampler_of(std::get<tracker::WindowSolver>(model_).file(), static_cast<std::size_t>(steps));
 }
 
+const model::ModelFile* OpenModel::file() const {
+  const auto* const solver = std::get_if<tracker::WindowSolver>(&model_);
+  return solver != nullptr ? &solver->file() : std::get_if<model::ModelFile>(&model_);
+}
+
 face::BlendshapeWeights OpenModel::mean_pose() const {
   face::BlendshapeWeights pose;
-  if (const auto* solver = std::get_if<tracker::WindowSolver>(&model_))
-    std::ranges::copy(solver->file().mean_pose, pose.values.begin());
-  else if (const auto* causal = std::get_if<model::ModelFile>(&model_))
-    std::ranges::copy(causal->mean_pose, pose.values.begin());
+  if (file() != nullptr) std::ranges::copy(file()->mean_pose, pose.values.begin());
   return pose;
+}
+
+std::vector<std::string> OpenModel::recorded() const {
+  try {
+    if (file() != nullptr)
+      return nlohmann::json::parse(file()->results).at("training").at("recorded").get<std::vector<std::string>>();
+  } catch (const nlohmann::json::exception&) {  // It was trained on none.
+  }
+  return {};
 }
 
 int OpenModel::steps() const {

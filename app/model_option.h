@@ -32,6 +32,8 @@ class OpenModel {
 
   /// The training set's; the neutral face where the file keeps none.
   [[nodiscard]] face::BlendshapeWeights mean_pose() const;
+  /// Files of the recorded performances that it was trained on (a recipe's data.recorded).
+  [[nodiscard]] std::vector<std::string> recorded() const;
   /// Denoising steps; 0 for a causal network, which takes none.
   [[nodiscard]] int steps() const;
   /// What its network multiplies with on this CPU (model::kernel_name()).
@@ -48,6 +50,8 @@ class OpenModel {
                                                                    std::span<const Shaping> shaping) const;
 
  private:
+  [[nodiscard]] const model::ModelFile* file() const;
+
   /// A causal network's tracker belongs to one take's rig, so it is made when there is one.
   std::variant<std::monostate, tracker::WindowSolver, model::ModelFile> model_;
   std::filesystem::path path_;  ///< Of a model that goes frame by frame.

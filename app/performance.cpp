@@ -1,7 +1,5 @@
 #include "app/performance.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,7 +1,5 @@
 #include "app/phone_option.h"
 
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <system_error>
 #include <utility>

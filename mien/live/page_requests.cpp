@@ -1,4 +1,3 @@
-#include <utility>  // Before Asio 1.74, which forgets it.
 
 #include "mien/live/page_requests.h"
 

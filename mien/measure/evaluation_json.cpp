@@ -86,7 +86,7 @@ std::string asked_how(const EvaluationContext& context) {
   return fmt::format("{} denoising step{}", context.steps, context.steps == 1 ? "" : "s");
 }
 
-std::vector<std::string> truth_told(const EvaluationContext& context) {
+std::vector<std::string> caveats(const EvaluationContext& context) {
   std::vector<std::string> sentences;
   for (const ToldTruth& told : context.told)
     sentences.push_back(fmt::format(
@@ -99,6 +99,9 @@ std::vector<std::string> truth_told(const EvaluationContext& context) {
     sentences.emplace_back(
         "A phone errs, too: its own errors count as the model's here, and its delay as nobody's; it smooths, "
         "so that jitter looks larger.");
+  for (const std::string& name : context.trained_on)
+    sentences.push_back(fmt::format(
+        "The model was trained on {}: its error there is no measure of people whom it has not seen.", name));
   return sentences;
 }
 
@@ -112,6 +115,7 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
   out["steps"] = context.steps > 0 ? OrderedJson(context.steps) : OrderedJson(nullptr);
   out["adapted"] = context.adapted;
   out["adapt_s"] = context.adapt_s;
+  out["trained_on"] = context.trained_on;
   out["truth"] = context.told.empty() ? "own" : "told";
   OrderedJson& all_told = out["told"] = OrderedJson::array();
   for (const ToldTruth& told : context.told)

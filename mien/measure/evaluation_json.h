@@ -27,14 +27,16 @@ struct EvaluationContext {
   bool adapted = false;  ///< Whether the model was personalised on the take first.
   double adapt_s = 0;
   std::vector<ToldTruth> told = {};  ///< Of each take; empty: each take's own truth.
+  /// Performances of the takes that the model was trained on: their errors are no measure of new people.
+  std::vector<std::string> trained_on = {};
 };
 
 /// "4 denoising steps", or "frame by frame" of a causal model.
 [[nodiscard]] std::string asked_how(const EvaluationContext& context);
 
-/// How the truth came about, where it is what other trackers told: a sentence each, and what that means for
-/// the figures. Empty where it is the takes' own.
-[[nodiscard]] std::vector<std::string> truth_told(const EvaluationContext& context);
+/// What limits the figures' meaning, a sentence each: truth that other trackers told, performances that the
+/// model was trained on. Empty where there is nothing of it.
+[[nodiscard]] std::vector<std::string> caveats(const EvaluationContext& context);
 
 /// The one JSON object that `mien evaluate --json` prints (docs/reference/metrics.md). Curves are left out.
 [[nodiscard]] std::string evaluation_json(const Evaluation& evaluation, const EvaluationContext& context);

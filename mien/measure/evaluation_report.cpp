@@ -222,7 +222,7 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
       fmt::format("{} frames of {} take{} on the face {}, {} profile, {}; model {}", evaluation.frames,
                   evaluation.takes, evaluation.takes == 1 ? "" : "s", context.face, context.devices,
                   asked_how(context), std::filesystem::path(context.model).filename().string()));
-  for (const std::string& sentence : truth_told(context)) report.text(sentence);
+  for (const std::string& sentence : caveats(context)) report.text(sentence);
   for (const std::string& sentence : baselines_ahead(evaluation)) report.text(sentence);
   const Metrics& m = evaluation.model;
   const auto ridge = [&](auto&& pick) -> std::optional<double> {

@@ -1,6 +1,5 @@
 #include "mien/model/aligned.h"
 
-#include <cstdlib>
 #include <new>
 
 #if defined(__linux__)

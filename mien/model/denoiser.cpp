@@ -167,30 +167,20 @@ void Denoiser::run(const Layer& layer, std::size_t first, Workspace& w) const {
   normalise_rows(rows, a.d_model, layer.ffn_gain.data(), layer.ffn_shift.data(), tokens, stride);
 }
 
-void Denoiser::predict_from(std::size_t first, std::span<const float> noisy, std::size_t level,
-                            std::span<float> clean, Workspace& w) const {
+void Denoiser::predict(std::span<const float> noisy, std::size_t level, std::span<float> clean,
+                       Workspace& w) const {
   const Architecture& a = architecture_;
-  const std::size_t rows = w.frames_ + 1 - first, stride = row_stride(a.d_model),
-                    answers = row_stride(a.outputs);
-  assert(w.frames_ >= 1 && noisy.size() == w.frames_ * a.outputs && clean.size() == rows * a.outputs);
+  const std::size_t rows = w.frames_, stride = row_stride(a.d_model), answers = row_stride(a.outputs);
+  assert(rows >= 1 && noisy.size() == rows * a.outputs && clean.size() == rows * a.outputs);
   write_noise_token(level, w);
-  apply_linear(noisy_input_, w.frames_, {noisy.data(), a.outputs}, {w.tokens_.data() + stride, stride},
+  apply_linear(noisy_input_, rows, {noisy.data(), a.outputs}, {w.tokens_.data() + stride, stride},
                {.add = {w.conditioned_.data(), stride}}, w.converted_);
-  for (const Layer& layer : layers_) run(layer, &layer == &layers_.back() ? first : 0, w);
-  apply_linear(output_, rows, {w.tokens_.data() + first * stride, stride}, {w.answer_.data(), answers}, {},
+  // Nobody asks what the last layer makes of the noise token.
+  for (const Layer& layer : layers_) run(layer, &layer == &layers_.back() ? 1 : 0, w);
+  apply_linear(output_, rows, {w.tokens_.data() + stride, stride}, {w.answer_.data(), answers}, {},
                w.converted_);
   for (std::size_t r = 0; r < rows; ++r)
     std::copy_n(w.answer_.data() + r * answers, a.outputs, clean.data() + r * a.outputs);
-}
-
-void Denoiser::predict(std::span<const float> noisy, std::size_t level, std::span<float> clean,
-                       Workspace& w) const {
-  predict_from(1, noisy, level, clean, w);
-}
-
-void Denoiser::predict_newest(std::span<const float> noisy, std::size_t level, std::span<float> newest,
-                              Workspace& w) const {
-  predict_from(w.frames_, noisy, level, newest, w);
 }
 
 }  // namespace mien::model

@@ -55,11 +55,6 @@ class Denoiser {
   void predict(std::span<const float> noisy, std::size_t level, std::span<float> clean,
                Workspace& workspace) const;
 
-  /// The last frame of what predict() answers, to the same bits: the last layer asks only for that frame,
-  /// which saves a fifth. `newest`: one frame's outputs.
-  void predict_newest(std::span<const float> noisy, std::size_t level, std::span<float> newest,
-                      Workspace& workspace) const;
-
   [[nodiscard]] const Architecture& architecture() const { return architecture_; }
 
  private:
@@ -75,9 +70,6 @@ class Denoiser {
   // All layers work on tokens [first, end) alone, but for keys and values, which are all tokens'.
   void attend(const Layer& layer, std::size_t first, Workspace& workspace) const;
   void run(const Layer& layer, std::size_t first, Workspace& workspace) const;
-  /// The answers of tokens [first, end).
-  void predict_from(std::size_t first, std::span<const float> noisy, std::size_t level,
-                    std::span<float> clean, Workspace& workspace) const;
 
   Architecture architecture_;
   PackedLinear noisy_input_, condition_input_;  ///< The input layer's two parts; the second carries the bias.

@@ -1,6 +1,5 @@
 #include "mien/render/lettering.h"
 
-#include <fmt/format.h>
 #include <ft2build.h>
 #include FT_FREETYPE_H
 

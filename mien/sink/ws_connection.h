@@ -1,7 +1,6 @@
 #pragma once
 
 // Asio 1.74 uses std::exchange without including this.
-#include <utility>
 //
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/flat_buffer.hpp>

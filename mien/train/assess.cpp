@@ -1,7 +1,5 @@
 #include "mien/train/assess.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>

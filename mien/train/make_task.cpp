@@ -109,6 +109,7 @@ MadeTask make_blendshape_task(Recipe recipe, const TaskSource& source, const Pro
   }
   if (share < 1) {
     MIEN_TRY_ASSIGN(const std::vector<face::Motion> recorded, read_recorded(data_recipe, source));
+    if (!recorded.empty()) recipe.recorded = data_recipe.recorded;
     MIEN_TRY_ASSIGN(data,
                     synthetic::make_dataset(data_recipe, source.face, source.rig, progress, 0, recorded));
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "mien/core/random.h"
 #include "mien/train/batch_norm.h"

@@ -66,6 +66,8 @@ struct Recipe {
 
   // [data]: the table as TOML text, unread, for whoever makes the data.
   std::string data;
+  /// Filled in by make_task: files of the recorded performances that virtual performers perform.
+  std::vector<std::string> recorded;
 
   /// [takes] share, 0 to 1: of a step's windows, in expectation, those that are drawn from people's takes,
   /// however many frames these have; 1: takes alone. Raising: the network is of those people and their

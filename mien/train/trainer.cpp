@@ -333,7 +333,7 @@ class Training {
   }
 
   [[nodiscard]] Json results(const ValidationScore& score) const {
-    return {{"validation",
+    Json out = {{"validation",
              {{"hash", validation_hash_},
               {"score", state_.best_score},
               {"loss", score.loss},
@@ -347,6 +347,8 @@ class Training {
               {"seconds", std::round(state_.seconds)},
               {"device", options_.device},
               {"parameters", model::parameter_count(recipe_.architecture)}}}};
+    if (!recipe_.recorded.empty()) out["training"]["recorded"] = recipe_.recorded;
+    return out;
   }
 
   Task& task_;

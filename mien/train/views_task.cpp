@@ -1,7 +1,5 @@
 #include "mien/train/tasks.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>

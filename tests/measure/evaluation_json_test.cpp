@@ -94,6 +94,16 @@ TEST(EvaluationJson, WhatTheDataLackIsNull) {
   EXPECT_TRUE(json["model"]["per_shape"]["mouthLeft"]["pearson"].is_null());
 }
 
+TEST(EvaluationJson, NamesPerformancesThatTheModelWasTrainedOn) {
+  EvaluationContext context = some_context();
+  EXPECT_TRUE(caveats(context).empty());
+  EXPECT_TRUE(nlohmann::json::parse(evaluation_json(some_evaluation(), context))["trained_on"].empty());
+  context.trained_on = {"alex.csv"};
+  ASSERT_EQ(caveats(context).size(), 1U);
+  EXPECT_NE(caveats(context).front().find("alex.csv"), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(evaluation_json(some_evaluation(), context))["trained_on"][0], "alex.csv");
+}
+
 TEST(EvaluationJson, APathOfAnyBytesDoesNotBreakIt) {
   EvaluationContext context = some_context();
   context.model = "mod\xE9le.safetensors";

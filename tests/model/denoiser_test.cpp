@@ -176,23 +176,6 @@ TEST(Denoiser, OneWorkspaceServesWindowsOfAnyLength) {
   EXPECT_EQ(short_window(used), short_window(fresh));
 }
 
-TEST(Denoiser, TheNewestFrameAloneIsTheSameBits) {
-  const auto network = random_network(kSmall, 3);
-  for (const Precision precision : {Precision::fp32, Precision::bf16, Precision::int8}) {
-    const auto denoiser = Denoiser::create(kSmall, network, precision);
-    ASSERT_TRUE(denoiser);
-    Denoiser::Workspace workspace(*denoiser);
-    for (const std::size_t frames : {1U, 2U, 40U}) {
-      const auto condition = numbers(frames * 18, 1), noisy = numbers(frames * 53, 2);
-      denoiser->set_condition(condition, workspace);
-      std::vector<float> clean(frames * 53), newest(53);
-      denoiser->predict(noisy, 300, clean, workspace);
-      denoiser->predict_newest(noisy, 300, newest, workspace);
-      EXPECT_EQ(newest, std::vector<float>(clean.end() - 53, clean.end())) << precision_name(precision);
-    }
-  }
-}
-
 TEST(Denoiser, LowerPrecisionStaysNear) {
   const auto network = random_network(kSmall, 3);
   const auto condition = numbers(40 * 18, 1), noisy = numbers(40 * 53, 2);

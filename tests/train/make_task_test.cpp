@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "mien/core/files.h"
+#include "mien/core/time.h"
+#include "mien/face/livelink_csv.h"
 #include "tests/folder.h"
 #include "tests/project_path.h"
 #include "tests/train/toy_data.h"
@@ -64,6 +66,23 @@ TEST_F(MakeTask, OnlyWearersOfImusPerformRecordings) {
   TaskSource unasked = source("default");
   unasked.recorded = folder_.path();
   EXPECT_NE(refusal(causal_, unasked).message().find("recorded_share"), std::string::npos);
+}
+
+TEST_F(MakeTask, RemembersWhichRecordingsItIsTrainedOn) {
+  face::Motion motion;
+  motion.frames.resize(90);
+  for (std::size_t i = 0; i < motion.frames.size(); ++i)
+    motion.frames[i].time_s = static_cast<double>(i) / kFrameRateHz;
+  ASSERT_TRUE(write_file(folder_ / "a.csv", face::format_livelink_csv(motion)));
+  TaskSource with_recorded = source("default");
+  with_recorded.recorded = folder_.path();
+  const std::string recipe =
+      toy_causal_recipe(1,
+                        "[data]\nperformers = 1\nvalidation_performers = 1\nseconds = 2\ndevice_seconds = 0\n"
+                        "recorded_share = 0.5\nrecorded = [\"a.csv\"]\n");
+  const auto task = make_task(*parse_recipe(recipe, "r.toml"), with_recorded, no_progress);
+  ASSERT_TRUE(task) << task.error().message();
+  EXPECT_EQ((*task)->recipe().recorded, std::vector<std::string>{"a.csv"});
 }
 
 TEST_F(MakeTask, WithoutTheFolderOfRecordingsAllIsDrawnAndItSaysSo) {

@@ -87,27 +87,24 @@ BENCHMARK(linear_layer)
     ->ArgsProduct({{121}, {1024}, {256}, {0, 1, 2}})
     ->ArgsProduct({{1, 4, 12}, {4096}, {512}, {0, 1, 2}});
 
-// A step of the light window network on 120 frames: precision, whether only the newest frame is wanted.
+// A step of the light window network on 120 frames: precision.
 void window_step(benchmark::State& state) {
   const auto precision = static_cast<Precision>(state.range(0));
   const model::Architecture a = *model::named_architecture("light", 99);
   const auto denoiser = model::Denoiser::create(a, random_network(a), precision).value();
   model::Denoiser::Workspace workspace(denoiser);
   const auto condition = numbers(a.window * a.condition, 1), noisy = numbers(a.window * a.outputs, 2);
-  std::vector<float> clean(state.range(1) != 0 ? a.outputs : noisy.size());
+  std::vector<float> clean(noisy.size());
   denoiser.set_condition(condition, workspace);
   for (auto step : state) {
     (void)step;
-    if (state.range(1) != 0)
-      denoiser.predict_newest(noisy, 500, clean, workspace);
-    else
-      denoiser.predict(noisy, 500, clean, workspace);
+    denoiser.predict(noisy, 500, clean, workspace);
     benchmark::DoNotOptimize(clean.data());
   }
   count(state, model::flop_count(a), 0);
   state.SetLabel(label(precision, clean));
 }
-BENCHMARK(window_step)->ArgsProduct({{0, 1, 2}, {0, 1}})->Unit(benchmark::kMillisecond);
+BENCHMARK(window_step)->ArgsProduct({{0, 1, 2}})->Unit(benchmark::kMillisecond);
 
 // A step of the causal network: precision, performers together.
 void causal_step(benchmark::State& state) {
