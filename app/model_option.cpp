@@ -101,7 +101,10 @@ face::BlendshapeWeights OpenModel::mean_pose() const {
 std::vector<std::string> OpenModel::recorded() const {
   try {
     if (file() != nullptr)
-      return nlohmann::json::parse(file()->results).at("training").at("recorded").get<std::vector<std::string>>();
+      return nlohmann::json::parse(file()->results)
+          .at("training")
+          .at("recorded")
+          .get<std::vector<std::string>>();
   } catch (const nlohmann::json::exception&) {  // It was trained on none.
   }
   return {};

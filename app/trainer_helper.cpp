@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kLibraries = "LD_LIBRARY_PATH=";
 
-/// The kernels that OpenBLAS is to multiply with; empty: as it finds itself. Debian 12's (0.3.21) does not know
-/// CPUs that are newer than it is, and takes its oldest kernels on them: 0.6 of the speed of training.
+/// The kernels that OpenBLAS is to multiply with; empty: as it finds itself. Debian 12's (0.3.21) does not
+/// know CPUs that are newer than it is, and takes its oldest kernels on them: 0.6 of the speed of training.
 std::string_view blas_kernels() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&

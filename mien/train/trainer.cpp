@@ -334,19 +334,19 @@ class Training {
 
   [[nodiscard]] Json results(const ValidationScore& score) const {
     Json out = {{"validation",
-             {{"hash", validation_hash_},
-              {"score", state_.best_score},
-              {"loss", score.loss},
-              {"mse", score.mse},
-              {"frames", task_.validation_data().frames}}},
-            {"training",
-             {{"steps", state_.step},
-              {"best_step", state_.best_step},
-              {"windows", state_.step * static_cast<std::int64_t>(recipe_.batch)},
-              {"frames", task_.training_data().frames},
-              {"seconds", std::round(state_.seconds)},
-              {"device", options_.device},
-              {"parameters", model::parameter_count(recipe_.architecture)}}}};
+                 {{"hash", validation_hash_},
+                  {"score", state_.best_score},
+                  {"loss", score.loss},
+                  {"mse", score.mse},
+                  {"frames", task_.validation_data().frames}}},
+                {"training",
+                 {{"steps", state_.step},
+                  {"best_step", state_.best_step},
+                  {"windows", state_.step * static_cast<std::int64_t>(recipe_.batch)},
+                  {"frames", task_.training_data().frames},
+                  {"seconds", std::round(state_.seconds)},
+                  {"device", options_.device},
+                  {"parameters", model::parameter_count(recipe_.architecture)}}}};
     if (!recipe_.recorded.empty()) out["training"]["recorded"] = recipe_.recorded;
     return out;
   }

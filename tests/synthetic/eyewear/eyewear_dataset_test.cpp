@@ -48,9 +48,8 @@ TEST(EyewearDataset, ReadsItsTable) {
       parse_eyewear_data_recipe("seed = 7\nwearers = 3\nvalidation_wearers = 2\nseconds = 30\n", "test");
   ASSERT_TRUE(recipe) << recipe.error().message();
   EXPECT_EQ(*recipe, (EyewearDataRecipe{7, 3, 2, 30}));
-  for (const char* bad :
-       {"wearers = 0", "seconds = nan", "seconds = 5", "performers = 3", "seed = -1", "seed = 1e300", "wearers = 3.0",
-        "x ="})
+  for (const char* bad : {"wearers = 0", "seconds = nan", "seconds = 5", "performers = 3", "seed = -1",
+                          "seed = 1e300", "wearers = 3.0", "x ="})
     EXPECT_FALSE(parse_eyewear_data_recipe(bad, "test")) << bad;
 }
 
