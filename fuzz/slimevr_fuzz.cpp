@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "mien/core/bytes.h"
@@ -21,8 +22,8 @@ class Session {
     for (const auto& reading : inbox_.readings) {
       for (const float value : reading.sample.used())
         if (!std::isfinite(value)) std::abort();
-      // Times rise, sensor by sensor.
-      const auto [last, first] = newest_.try_emplace(reading.from, reading.sample.time);
+      // Times rise, sensor by sensor; of two peers that say one number, whoever chooses between them hears one.
+      const auto [last, first] = newest_.try_emplace({peer, reading.from}, reading.sample.time);
       if (!first && reading.sample.time <= last->second) std::abort();
       last->second = reading.sample.time;
     }
@@ -38,7 +39,7 @@ class Session {
   mien::HostTime now_;
   mien::sensor::Inbox inbox_;
   std::vector<mien::sensor::Protocol::Outgoing> said_;
-  std::map<mien::sensor::DeviceKey, mien::DeviceTime> newest_;
+  std::map<std::pair<mien::sensor::Peer, mien::sensor::DeviceKey>, mien::DeviceTime> newest_;
 };
 
 /// What was read goes through the encoder and back unchanged, but for what the wire says in two ways.
