@@ -22,7 +22,8 @@ class Session {
     for (const auto& reading : inbox_.readings) {
       for (const float value : reading.sample.used())
         if (!std::isfinite(value)) std::abort();
-      // Times rise, sensor by sensor; of two peers that say one number, whoever chooses between them hears one.
+      // Times rise, sensor by sensor; of two peers that say one number, whoever chooses between them hears
+      // one.
       const auto [last, first] = newest_.try_emplace({peer, reading.from}, reading.sample.time);
       if (!first && reading.sample.time <= last->second) std::abort();
       last->second = reading.sample.time;
