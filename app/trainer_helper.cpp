@@ -47,7 +47,8 @@ std::vector<std::string> environment() {
        {"/usr/lib/x86_64-linux-gnu/openblas-openmp", "/usr/lib/aarch64-linux-gnu/openblas-openmp"})
     if (fs::exists(folder, code)) libraries = libraries.empty() ? folder : folder + (":" + libraries);
   if (!libraries.empty()) variables.push_back(std::string(kLibraries) + libraries);
-  if (!blas_kernels().empty()) variables.push_back("OPENBLAS_CORETYPE=" + std::string(blas_kernels()));
+  if (const std::string kernels(blas_kernels()); !kernels.empty())
+    variables.push_back("OPENBLAS_CORETYPE=" + kernels);
   return variables;
 }
 
